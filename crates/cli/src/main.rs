@@ -1,0 +1,2 @@
+//! The `meshfront` command.
+fn main() {}

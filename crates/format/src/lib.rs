@@ -1,0 +1,1 @@
+//! The .front file: bytes to validated hierarchy and back

@@ -1,0 +1,6 @@
+//! Multiresolution models: one module each, with its columns and its implementation of the engine's trait.
+
+pub mod edge_collapse;
+pub mod live;
+
+pub use edge_collapse::EdgeCollapse;

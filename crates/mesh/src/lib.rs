@@ -1,0 +1,5 @@
+//! Meshes, and reading and writing them. No word of levels of detail here.
+
+mod triangle_mesh;
+
+pub use triangle_mesh::{Bounds, TriangleId, TriangleMesh, VertexColumns, VertexId};

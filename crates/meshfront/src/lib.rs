@@ -1,0 +1,1 @@
+//! Multiresolution meshes: build, extract, refine per view

@@ -1,0 +1,5 @@
+//! The selective-refinement engine. It sees updates and their footprints, never cells.
+
+mod hierarchy;
+
+pub use hierarchy::{Footprint, MultiTessellation, NormalCone, Step, UpdateId};

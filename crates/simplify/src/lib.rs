@@ -1,0 +1,1 @@
+//! From a source mesh to a multiresolution hierarchy
