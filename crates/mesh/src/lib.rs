@@ -2,4 +2,6 @@
 
 mod triangle_mesh;
 
+pub mod sample;
+
 pub use triangle_mesh::{Bounds, TriangleId, TriangleMesh, VertexColumns, VertexId};
