@@ -1,0 +1,366 @@
+//! From stored columns to a hierarchy: one replay of all splits checks them and yields what is not stored.
+
+use super::columns::{Columns, InvalidColumns, Oct};
+use super::footprint::{Frame, PackedFootprint, angle_between, half_angle};
+use super::front_mesh::{AddedList, FrontMesh, MAX_ADDED, Star, added_by_sides};
+use super::{Arcs, Brief, EdgeCollapse, Positions, Split};
+use glam::Vec3;
+use meshfront_mesh::Bounds;
+use meshfront_refine::UpdateId;
+use std::f32::consts::{FRAC_PI_2, PI};
+
+/// Ids must leave room for triangle numbers and for corners, which are four times a slot.
+const MAX_UPDATES: usize = 1 << 28;
+
+/// Cells of one update: a box around them and a cone around their normals.
+#[derive(Clone, Copy)]
+struct Cells {
+    min: Vec3,
+    max: Vec3,
+    axis: Vec3,
+    half_angle: f32,
+}
+
+pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
+    check_shape(&columns)?;
+    let updates = columns.vertex.len();
+    let mut h = undecorated(columns)?;
+    let mut front = FrontMesh::base(&h);
+    let mut cells = Vec::with_capacity(updates);
+    let mut needs = Arcs { offsets: Vec::with_capacity(updates + 1), items: Vec::with_capacity(3 * updates) };
+    needs.offsets.push(0);
+    let mut ring = vec![];
+    for m in 0..updates {
+        let invalid = |reason| InvalidColumns::Update { update: m as u32, reason };
+        let id = UpdateId(m as u32);
+        let split = h.splits[m];
+        let slot = front.slot(split.vertex).ok_or(invalid("splits a vertex that is not live"))?;
+        let star = front.star(slot).ok_or(invalid("its star has too many triangles"))?;
+        let added = check_split(&h, id, &star).map_err(invalid)?;
+
+        // The direct needs are the makers of s and of its ring.
+        ring.clear();
+        ring.extend(h.maker(split.vertex));
+        for i in 0..star.len {
+            ring.extend(h.maker(front.id(star.after[i])));
+            ring.extend(h.maker(front.id(star.before[i])));
+        }
+        ring.sort_unstable();
+        ring.dedup();
+        if ring.iter().any(|&n| h.footprints[n.ix()].error < h.footprints[m].error) {
+            return Err(invalid("its error is larger than that of an update that it needs"));
+        }
+        push_reduced(&mut needs, &ring);
+
+        h.brief[m] = Brief { level: front.buffers.levels[slot as usize], added: added.len as u8 };
+        cells.push(cells_of(&h, id, &front.buffers.positions, slot, &star, &added));
+        front.buffers.clear_changes();
+        front.refine(&h, id);
+    }
+    h.children = reversed(&needs);
+    h.roots = (0..updates as u32).map(UpdateId).filter(|m| needs.of(m.ix()).is_empty()).collect();
+    h.needs = needs;
+    if !h.source_normals {
+        derive_normals(&mut h, &front);
+    }
+    derive_footprints(&mut h, &cells);
+    Ok(h)
+}
+
+/// Lengths, ranges and finite numbers: all that needs no replay.
+fn check_shape(c: &Columns) -> Result<(), InvalidColumns> {
+    let updates = c.vertex.len();
+    let base = &c.base;
+    let lengths = [
+        ("sides", c.sides.len(), updates, false),
+        ("positions", c.positions.len(), updates, false),
+        ("errors", c.errors.len(), updates, false),
+        ("normals", c.normals.len(), updates, base.vertex.normals.is_empty()),
+        ("colors", c.colors.len(), updates, base.vertex.colors.is_empty()),
+        ("base normals", base.vertex.normals.len(), base.positions.len(), c.normals.is_empty()),
+        ("base colors", base.vertex.colors.len(), base.positions.len(), c.colors.is_empty()),
+    ];
+    for (column, found, expected, may_be_empty) in lengths {
+        if found != expected && !(may_be_empty && found == 0) {
+            return Err(InvalidColumns::Length { column, found, expected });
+        }
+    }
+    if updates > MAX_UPDATES || base.positions.len() > MAX_UPDATES || base.triangles.len() > MAX_UPDATES {
+        return Err(InvalidColumns::TooMany(updates.max(base.positions.len()).max(base.triangles.len())));
+    }
+    if base.triangles.iter().flatten().any(|v| v.ix() >= base.positions.len()) {
+        return Err(InvalidColumns::Base("a triangle names a vertex that does not exist"));
+    }
+    if base.triangles.iter().any(|t| t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+        return Err(InvalidColumns::Base("a triangle names a vertex twice"));
+    }
+    if !base.positions.iter().chain(&base.vertex.normals).all(|p| p.is_finite()) {
+        return Err(InvalidColumns::Base("a coordinate is not a finite number"));
+    }
+    if !(c.floor_error.is_finite() && c.floor_error >= 0.0) {
+        return Err(InvalidColumns::Base("the floor error is not a finite number"));
+    }
+    if let Some(g) = &c.grid {
+        if !(g.origin.is_finite() && g.step.is_finite() && g.step > 0.0 && (1..=24).contains(&g.bits)) {
+            return Err(InvalidColumns::Base("the grid of positions is not one"));
+        }
+    }
+    let invalid = |update: usize, reason| Err(InvalidColumns::Update { update: update as u32, reason });
+    for m in 0..updates {
+        if !c.positions[m].iter().all(|p| p.is_finite()) {
+            return invalid(m, "a coordinate is not a finite number");
+        }
+        if !(c.errors[m].is_finite() && c.errors[m] >= 0.0) {
+            return invalid(m, "its error is not a finite number");
+        }
+        if c.grid.is_some_and(|g| c.positions[m].iter().any(|&p| g.snap(p) != p)) {
+            return invalid(m, "a position is not on the grid");
+        }
+    }
+    for pair in c.explicit.windows(2) {
+        if pair[0].update >= pair[1].update {
+            return invalid(pair[1].update.ix(), "explicit splits are not in ascending order");
+        }
+    }
+    if let Some(e) = c.explicit.iter().find(|e| c.sides.get(e.update.ix()).is_none_or(|s| s & Columns::EXPLICIT == 0)) {
+        return invalid(e.update.ix(), "an explicit split that its sides do not announce");
+    }
+    if c.sides.iter().filter(|&&s| s & Columns::EXPLICIT != 0).count() != c.explicit.len() {
+        return Err(InvalidColumns::Length {
+            column: "explicit",
+            found: c.explicit.len(),
+            expected: c.sides.iter().filter(|&&s| s & Columns::EXPLICIT != 0).count(),
+        });
+    }
+    Ok(())
+}
+
+/// The hierarchy with the stored columns only.
+fn undecorated(c: Columns) -> Result<EdgeCollapse, InvalidColumns> {
+    let updates = c.vertex.len();
+    let mut extra = (c.base.triangles.len() + 2 * updates) as u64;
+    let mut explicit_extra = vec![];
+    for e in &c.explicit {
+        explicit_extra.push(extra as u32);
+        extra += e.added.len().saturating_sub(2) as u64;
+    }
+    if extra > u32::MAX as u64 / 4 {
+        return Err(InvalidColumns::TooMany(extra as usize));
+    }
+    let points = c.base.positions.iter().chain(c.positions.iter().flatten());
+    let bounds = points.fold(None, |b: Option<Bounds>, &p| {
+        Some(b.map_or(Bounds { min: p, max: p }, |b| Bounds { min: b.min.min(p), max: b.max.max(p) }))
+    });
+    let frame = Frame::new(bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }));
+    let source_normals = !c.base.vertex.normals.is_empty();
+    Ok(EdgeCollapse {
+        base_normals: if source_normals {
+            c.base.vertex.normals.iter().map(|&n| Oct::encode(n)).collect()
+        } else {
+            vec![Oct::default(); c.base.positions.len()]
+        },
+        base: c.base,
+        splits: c.vertex.iter().zip(&c.sides).map(|(&vertex, &sides)| Split { vertex, sides }).collect(),
+        explicit: c.explicit,
+        explicit_extra,
+        positions: match c.grid {
+            Some(grid) if grid.bits <= 16 => {
+                let index = |p: Vec3| grid.index(p).map(|i| i as u16);
+                Positions::Grid16 { grid, index: c.positions.iter().map(|p| p.map(index)).collect() }
+            }
+            grid => Positions::Points { grid, points: c.positions },
+        },
+        normals: if source_normals { c.normals } else { vec![[Oct::default(); 2]; updates] },
+        source_normals,
+        colors: c.colors,
+        brief: vec![Brief { level: 0, added: 0 }; updates],
+        footprints: c.errors.iter().map(|&error| PackedFootprint::of_error(error)).collect(),
+        frame,
+        needs: Arcs::default(),
+        children: Arcs::default(),
+        roots: vec![],
+        floor_error: c.floor_error,
+        source: c.source,
+    })
+}
+
+/// Whether a split can be applied to the star that it finds, and what it adds.
+fn check_split(h: &EdgeCollapse, m: UpdateId, star: &Star) -> Result<AddedList, &'static str> {
+    let sides = h.splits[m.ix()].sides;
+    if star.len == 0 {
+        return Err("splits a vertex without triangles");
+    }
+    let used = sides & !Columns::EXPLICIT;
+    if (used as u64) >> star.len != 0 {
+        return Err("its sides speak of more triangles than the star has");
+    }
+    let added = match h.explicit_index(m) {
+        None => added_by_sides(star, used).ok_or("its sides leave more than two gaps")?,
+        Some(e) => {
+            let list = &h.explicit[e].added;
+            if list.len() > MAX_ADDED {
+                return Err("it adds too many triangles");
+            }
+            let mut found = added_by_sides(&Star { len: 0, ..*star }, 0).expect("nothing follows from an empty star");
+            for a in list {
+                let i = a.star as usize;
+                if i >= star.len {
+                    return Err("an added triangle names a triangle that the star does not have");
+                }
+                found.items[found.len].w = if a.before { star.before[i] } else { star.after[i] };
+                found.items[found.len].flipped = a.flipped;
+                found.len += 1;
+            }
+            found
+        }
+    };
+    let on_v = used.count_ones() as usize;
+    if added.len == 0 && (on_v == 0 || on_v == star.len) {
+        return Err("a child would have no triangles");
+    }
+    Ok(added)
+}
+
+/// Appends the needs of one update, without those that another of them needs anyway.
+fn push_reduced(needs: &mut Arcs, direct: &[UpdateId]) {
+    // A bounded search finds nearly all that is implied; the rest costs four bytes and changes nothing.
+    const MOST_VISITS: usize = 96;
+    let least = direct.first().copied().unwrap_or(UpdateId(0));
+    let mut implied = [false; 3 * Columns::MAX_STAR];
+    let mut stack = [UpdateId(0); MOST_VISITS];
+    for (i, &from) in direct.iter().enumerate().rev() {
+        if implied[i] {
+            continue; // what it needs was seen below the one that implies it
+        }
+        let (mut len, mut visits) = (1, 0);
+        stack[0] = from;
+        while len > 0 && visits < MOST_VISITS {
+            len -= 1;
+            visits += 1;
+            for &n in needs.of(stack[len].ix()) {
+                if n < least {
+                    continue;
+                }
+                if let Ok(k) = direct.binary_search(&n) {
+                    implied[k] = true;
+                }
+                if len < MOST_VISITS {
+                    stack[len] = n;
+                    len += 1;
+                }
+            }
+        }
+    }
+    needs.items.extend(direct.iter().zip(implied).filter(|(_, implied)| !implied).map(|(&n, _)| n));
+    needs.offsets.push(needs.items.len() as u32);
+}
+
+fn reversed(needs: &Arcs) -> Arcs {
+    let updates = needs.offsets.len() - 1;
+    let mut offsets = vec![0u32; updates + 1];
+    for n in &needs.items {
+        offsets[n.ix() + 1] += 1;
+    }
+    for m in 0..updates {
+        offsets[m + 1] += offsets[m];
+    }
+    let mut at = offsets.clone();
+    let mut items = vec![UpdateId(0); needs.items.len()];
+    for m in 0..updates {
+        for n in needs.of(m) {
+            items[at[n.ix()] as usize] = UpdateId(m as u32);
+            at[n.ix()] += 1;
+        }
+    }
+    Arcs { offsets, items }
+}
+
+fn cells_of(h: &EdgeCollapse, m: UpdateId, points: &[Vec3], slot: u32, star: &Star, added: &AddedList) -> Cells {
+    let s = points[slot as usize];
+    let children = [h.positions.get(m.ix(), 0), h.positions.get(m.ix(), 1)];
+    let (mut min, mut max) = (s.min(children[0]).min(children[1]), s.max(children[0]).max(children[1]));
+    let mut normals = [Vec3::ZERO; 2 * Columns::MAX_STAR + MAX_ADDED];
+    let mut len = 0;
+    let mut cell = |a: Vec3, b: Vec3, c: Vec3| {
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        if normal != Vec3::ZERO {
+            normals[len] = normal;
+            len += 1;
+        }
+    };
+    for i in 0..star.len {
+        let (a, b) = (points[star.after[i] as usize], points[star.before[i] as usize]);
+        (min, max) = (min.min(a).min(b), max.max(a).max(b));
+        cell(s, a, b);
+        cell(children[(h.splits[m.ix()].sides >> i & 1) as usize], a, b);
+    }
+    for a in added.as_slice() {
+        let w = points[a.w as usize];
+        let [u, v] = children;
+        if a.flipped { cell(v, w, u) } else { cell(u, w, v) }
+    }
+    let normals = &normals[..len];
+    let axis = normals.iter().sum::<Vec3>().normalize_or(Vec3::Z);
+    let cos = normals.iter().map(|n| n.dot(axis)).fold(1.0, f32::min);
+    Cells { min, max, axis, half_angle: if cos <= 0.0 { PI } else { cos.acos() } }
+}
+
+/// Fine to coarse: each footprint holds the update's own cells and the footprints of its children, as they are
+/// after packing, so that what criteria see nests.
+fn derive_footprints(h: &mut EdgeCollapse, cells: &[Cells]) {
+    for m in (0..cells.len()).rev() {
+        let own = &cells[m];
+        let children = h.children.of(m);
+        let (mut min, mut max) = (own.min, own.max);
+        let mut axis = own.axis;
+        let mut culls = own.half_angle < FRAC_PI_2;
+        for c in children {
+            let f = h.frame.unpack(&h.footprints[c.ix()]);
+            (min, max) = (min.min(f.center - f.radius), max.max(f.center + f.radius));
+            axis += f.cone.axis;
+            culls &= f.cone.cos > 0.0;
+        }
+        let footprint = h.frame.pack(
+            h.footprints[m].error,
+            (min + max) * 0.5,
+            axis.normalize_or(Vec3::Z),
+            |center| {
+                let corner = (own.min - center).abs().max((own.max - center).abs()).length();
+                children.iter().fold(corner, |radius, c| {
+                    let f = h.frame.unpack(&h.footprints[c.ix()]);
+                    radius.max(center.distance(f.center) + f.radius)
+                })
+            },
+            |axis| {
+                if !culls {
+                    return PI;
+                }
+                children.iter().fold(angle_between(axis, own.axis) + own.half_angle, |angle, c| {
+                    let f = h.frame.unpack(&h.footprints[c.ix()]);
+                    angle.max(angle_between(axis, f.cone.axis) + half_angle(&f.cone))
+                })
+            },
+        );
+        h.footprints[m] = footprint;
+    }
+}
+
+/// Vertex normals where the source had none: each vertex, of any level, gets the area-weighted mean normal of the
+/// full-resolution surface below it.
+fn derive_normals(h: &mut EdgeCollapse, full: &FrontMesh) {
+    let mut sums = vec![Vec3::ZERO; h.base.positions.len() + 2 * h.splits.len()];
+    let points = &full.buffers.positions;
+    for (t, (_, ids)) in full.buffers.triangles.iter().filter(|t| t[0] != t[1]).zip(full.numbered_triangles()) {
+        let [a, b, c] = t.map(|slot| points[slot as usize]);
+        let normal = (b - a).cross(c - a);
+        for id in ids {
+            sums[id.ix()] += normal;
+        }
+    }
+    for m in (0..h.splits.len()).rev() {
+        let [u, v] = [0, 1].map(|k| h.child(UpdateId(m as u32), k));
+        sums[h.splits[m].vertex.ix()] = sums[u.ix()] + sums[v.ix()];
+        h.normals[m] = [Oct::encode(sums[u.ix()]), Oct::encode(sums[v.ix()])];
+    }
+    h.base_normals = sums[..h.base.positions.len()].iter().map(|&n| Oct::encode(n)).collect();
+}
