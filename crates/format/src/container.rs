@@ -1,0 +1,211 @@
+//! The container, the same for all models: header, table of sections, sections. `docs/format.md` has it byte by byte.
+
+use crate::error::{Fault, ReadError};
+
+/// First bytes of every file. As in PNG: not text, and damaged by what damages line ends.
+pub const MAGIC: [u8; 8] = *b"\x89FRONT\r\n";
+/// The newest version that is read, and the one that is written.
+pub const VERSION: u32 = 1;
+
+/// Bytes before the table of sections.
+pub(crate) const HEADER_LENGTH: usize = 56;
+/// Bytes of a row of the table of sections.
+pub(crate) const ROW_LENGTH: usize = 32;
+/// More than any model needs; bounds what is read before a checksum was seen.
+const MAX_SECTIONS: u32 = 64;
+/// Room for a model's name, padded with zeros.
+const MODEL_LENGTH: usize = 24;
+/// Where the header's checksum lies. It covers the bytes before it and the table of sections.
+const CHECKSUM_AT: usize = 52;
+
+/// Flag of a section: readers that do not know it may pass over it.
+const OPTIONAL: u32 = 1;
+
+/// How a section's bytes are coded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
+pub enum Codec {
+    /// Plain little-endian numbers.
+    Stored,
+    /// Adaptive asymmetric numeral systems.
+    Rans,
+}
+
+impl Codec {
+    fn number(self) -> u32 {
+        match self {
+            Codec::Stored => 0,
+            Codec::Rans => 1,
+        }
+    }
+    fn of(number: u32) -> Option<Codec> {
+        match number {
+            0 => Some(Codec::Stored),
+            1 => Some(Codec::Rans),
+            _ => None,
+        }
+    }
+}
+
+/// A section: where it lies and what it holds.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Section<'a> {
+    pub(crate) name: &'static str,
+    pub(crate) codec: Codec,
+    /// Byte of the file at which `bytes` starts.
+    pub(crate) offset: usize,
+    pub(crate) bytes: &'a [u8],
+}
+
+impl Section<'_> {
+    /// A fault at a byte of the section.
+    pub(crate) fn fault(&self, at: usize, reason: &'static str) -> Fault {
+        Fault { section: self.name, offset: self.offset + at, reason }
+    }
+}
+
+/// CRC-32 as in PNG, zip and zlib.
+pub(crate) fn checksum(bytes: &[u8]) -> u32 {
+    crc32fast::hash(bytes)
+}
+
+/// A section to write: its name of four letters, codec and bytes.
+#[cfg(feature = "write")]
+pub(crate) struct Part {
+    pub(crate) name: &'static str,
+    pub(crate) codec: Codec,
+    pub(crate) bytes: Vec<u8>,
+}
+
+/// Header, table of sections, sections.
+#[cfg(feature = "write")]
+pub(crate) fn assemble(model: &str, parts: &[Part]) -> Vec<u8> {
+    let start = HEADER_LENGTH + ROW_LENGTH * parts.len();
+    let total = start + parts.iter().map(|p| p.bytes.len()).sum::<usize>();
+    let mut file = Vec::with_capacity(total);
+    file.extend_from_slice(&MAGIC);
+    file.extend_from_slice(&VERSION.to_le_bytes());
+    file.extend_from_slice(&(parts.len() as u32).to_le_bytes());
+    file.extend_from_slice(&(total as u64).to_le_bytes());
+    let mut name = [0; MODEL_LENGTH];
+    name[..model.len()].copy_from_slice(model.as_bytes());
+    file.extend_from_slice(&name);
+    file.extend_from_slice(&[0; 8]); // flags, then the checksum, filled in below
+    let mut offset = start;
+    for part in parts {
+        file.extend_from_slice(part.name.as_bytes());
+        file.extend_from_slice(&part.codec.number().to_le_bytes());
+        file.extend_from_slice(&(offset as u64).to_le_bytes());
+        file.extend_from_slice(&(part.bytes.len() as u64).to_le_bytes());
+        file.extend_from_slice(&checksum(&part.bytes).to_le_bytes());
+        file.extend_from_slice(&0u32.to_le_bytes());
+        offset += part.bytes.len();
+    }
+    let sum = header_checksum(&file[..start]);
+    file[CHECKSUM_AT..HEADER_LENGTH].copy_from_slice(&sum.to_le_bytes());
+    for part in parts {
+        file.extend_from_slice(&part.bytes);
+    }
+    file
+}
+
+fn header_checksum(header_and_table: &[u8]) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&header_and_table[..CHECKSUM_AT]);
+    hasher.update(&header_and_table[HEADER_LENGTH..]);
+    hasher.finalize()
+}
+
+/// Little-endian numbers at a place that is known to exist.
+pub(crate) fn u32_at(bytes: &[u8], at: usize) -> u32 {
+    u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four bytes"))
+}
+
+/// Little-endian numbers at a place that is known to exist.
+pub(crate) fn u64_at(bytes: &[u8], at: usize) -> u64 {
+    u64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight bytes"))
+}
+
+/// The sections of a file of `model`, in order; those that may be passed over are, if not among `known`.
+///
+/// When this returns, every byte of the file has been covered by a checksum that was right, and the sections lie one
+/// after the other without gaps. Nothing is allocated but the list of sections.
+pub(crate) fn open<'a>(
+    bytes: &'a [u8],
+    file: &str,
+    model: &'static str,
+    known: &[&'static str],
+) -> Result<Vec<Section<'a>>, ReadError> {
+    let length_error = |expected: u64| ReadError::Length { file: file.into(), found: bytes.len() as u64, expected };
+    let header_fault = |offset, reason| Fault { section: "header", offset, reason }.in_file(file);
+    if bytes.len() < MAGIC.len() || bytes[..MAGIC.len()] != MAGIC {
+        return Err(ReadError::NotFront { file: file.into() });
+    }
+    if bytes.len() < HEADER_LENGTH {
+        return Err(length_error(HEADER_LENGTH as u64));
+    }
+    let version = u32_at(bytes, 8);
+    if version == 0 {
+        return Err(header_fault(8, "version 0"));
+    }
+    if version > VERSION {
+        return Err(ReadError::NewerVersion { file: file.into(), found: version, known: VERSION });
+    }
+    let count = u32_at(bytes, 12);
+    if count > MAX_SECTIONS {
+        return Err(header_fault(12, "too many sections"));
+    }
+    let total = u64_at(bytes, 16);
+    let start = HEADER_LENGTH + ROW_LENGTH * count as usize;
+    if total != bytes.len() as u64 || bytes.len() < start {
+        return Err(length_error(total.max(start as u64)));
+    }
+    if u32_at(bytes, CHECKSUM_AT) != header_checksum(&bytes[..start]) {
+        return Err(header_fault(CHECKSUM_AT, "checksum of header and section table is wrong"));
+    }
+    let name = &bytes[24..24 + MODEL_LENGTH];
+    let name = &name[..name.iter().position(|&b| b == 0).unwrap_or(MODEL_LENGTH)];
+    if name != model.as_bytes() {
+        let model_found = String::from_utf8_lossy(name).into_owned();
+        return Err(ReadError::UnknownModel { file: file.into(), model: model_found, known: model });
+    }
+    let unknown = |section: String, what: String| ReadError::UnknownPart { file: file.into(), section, what };
+    let flags = u32_at(bytes, 48);
+    if flags != 0 {
+        return Err(unknown("header".into(), format!("flags {flags:#x}")));
+    }
+
+    let mut sections = Vec::with_capacity(count as usize);
+    let mut end = start;
+    for row in 0..count as usize {
+        let at = HEADER_LENGTH + ROW_LENGTH * row;
+        let letters = &bytes[at..at + 4];
+        let (offset, length) = (u64_at(bytes, at + 8), u64_at(bytes, at + 16));
+        if offset != end as u64 || length > (bytes.len() - end) as u64 {
+            return Err(header_fault(at, "sections do not follow one another"));
+        }
+        let body = &bytes[end..end + length as usize];
+        let offset = end;
+        end += length as usize;
+        let Some(&name) = known.iter().find(|n| n.as_bytes() == letters) else {
+            if u32_at(bytes, at + 28) & OPTIONAL != 0 && u32_at(bytes, at + 24) == checksum(body) {
+                continue;
+            }
+            return Err(unknown(String::from_utf8_lossy(letters).into_owned(), "a section".into()));
+        };
+        if sections.iter().any(|s: &Section| s.name == name) {
+            return Err(header_fault(at, "section listed twice"));
+        }
+        let number = u32_at(bytes, at + 4);
+        let codec = Codec::of(number).ok_or_else(|| unknown(name.into(), format!("codec {number}")))?;
+        let section = Section { name, codec, offset, bytes: body };
+        if u32_at(bytes, at + 24) != checksum(body) {
+            return Err(section.fault(0, "checksum is wrong").in_file(file));
+        }
+        sections.push(section);
+    }
+    if end != bytes.len() {
+        return Err(length_error(end as u64));
+    }
+    Ok(sections)
+}

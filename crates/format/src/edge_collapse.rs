@@ -1,0 +1,712 @@
+//! The sections of the model `edge_collapse`: `Columns` to bytes and back. `docs/format.md` has them byte by byte.
+//!
+//! ```text
+//! META │ BASE │ BNRM BCOL │ UTAB │ NTAB CTAB │ UPDT: page page page … │ NRML: page … │ COLR: page …
+//!             if the base has them            coarse ──────────▶ fine
+//! ```
+//!
+//! Tables and base mesh come before all pages, so that a first request for a few kilobytes tells where everything is,
+//! and every page can be fetched, checked and unpacked by itself. Only the sums along the splits run through all pages.
+
+use glam::{DVec3, Vec3};
+#[cfg(feature = "write")]
+use meshfront_hierarchies::edge_collapse::InvalidColumns;
+use meshfront_hierarchies::edge_collapse::{Columns, Grid, Oct, SourceCounts};
+use meshfront_mesh::{TriangleMesh, VertexColumns, VertexId};
+
+use crate::container::{self, Section, checksum, u32_at, u64_at};
+#[cfg(feature = "write")]
+use crate::container::{Codec, Part, assemble};
+#[cfg(feature = "write")]
+use crate::error::EncodeError;
+use crate::error::{Fault, ReadError};
+use crate::parallel::map_all;
+use crate::rans::{Decoder, decode_int, int_models};
+#[cfg(feature = "write")]
+use crate::rans::{Encoder, encode_int};
+use attributes::{Attribute, value_of};
+use lattice::{Lattice, of_ordered_bits, split_from_residual};
+#[cfg(feature = "write")]
+use lattice::{ordered_bits, split_residual};
+
+mod attributes;
+mod info;
+mod lattice;
+mod page;
+
+pub use info::{ColumnInfo, Info, PageInfo, SectionInfo, inspect};
+
+/// The model's name in the header.
+pub const MODEL: &str = "edge_collapse";
+
+/// Updates in a page that is not the last: some 30 kB, a good size for a request, and long enough for the models to
+/// have learnt most of what they can.
+pub const PAGE_UPDATES: usize = 4096;
+
+/// Every section of this model, in the order of the file.
+const SECTIONS: [&str; 10] = ["META", "BASE", "BNRM", "BCOL", "UTAB", "NTAB", "CTAB", "UPDT", "NRML", "COLR"];
+
+const META_LENGTH: usize = 64;
+const UPDATE_ROW: usize = 16;
+const ATTRIBUTE_ROW: usize = 8;
+
+/// Bits of the first number of META.
+const HAS_GRID: u32 = 1;
+const HAS_BASE_NORMALS: u32 = 2;
+const HAS_BASE_COLORS: u32 = 4;
+const HAS_NORMALS: u32 = 8;
+const HAS_COLORS: u32 = 16;
+
+/// Rounds an error up to what the file stores: a sixteenth of an octave, as a float with four bits of mantissa.
+///
+/// Monotone, so that errors that never grow along the order never grow after it; idempotent, so that a hierarchy
+/// built with rounded errors is read back as it was. At most 1/16 is added. Above 1.9375 · 2¹²⁷ the result is
+/// infinite, which no file stores.
+pub fn round_error_up(error: f32) -> f32 {
+    if !error.is_finite() {
+        return error;
+    }
+    let dropped = (1 << page::ERROR_SHIFT) - 1;
+    f32::from_bits((error.to_bits() + dropped) & !dropped)
+}
+
+/// What META holds.
+#[derive(Clone, Copy)]
+struct Meta {
+    flags: u32,
+    grid: Option<Grid>,
+    base_vertices: usize,
+    base_triangles: usize,
+    updates: usize,
+    floor_error: f32,
+    source: SourceCounts,
+}
+
+impl Meta {
+    fn has(&self, flag: u32) -> bool {
+        self.flags & flag != 0
+    }
+}
+
+/// Columns as the bytes of a file, whole.
+///
+/// Errors are rounded with [`round_error_up`]; everything else comes back from [`decode`] bit for bit (on a grid, a
+/// coordinate of −0 comes back as 0). The same columns give the same bytes, on any number of threads.
+///
+/// # Errors
+/// Columns of unequal lengths or with ids out of range; positions that are not finite or not on the grid; errors that
+/// are negative or not finite. Whether every split can be applied is not checked here: `EdgeCollapse::new` does that.
+#[cfg(feature = "write")]
+pub fn encode(columns: &Columns) -> Result<Vec<u8>, EncodeError> {
+    check(columns)?;
+    let lattice = Lattice::new(columns.grid);
+    let base_count = columns.base.positions.len();
+    let updates = columns.vertex.len();
+
+    let indices = lattice_indices(columns, &lattice)?;
+    let ranges: Vec<_> = (0..updates.div_ceil(PAGE_UPDATES))
+        .map(|page| page * PAGE_UPDATES..updates.min((page + 1) * PAGE_UPDATES))
+        .collect();
+    let pages = map_all(ranges.clone(), |range| {
+        let residuals: Vec<_> = range
+            .clone()
+            .map(|m| {
+                let child = base_count + 2 * m;
+                split_residual(indices[columns.vertex[m].ix()], indices[child], indices[child + 1])
+            })
+            .collect();
+        let errors: Vec<f32> = columns.errors[range.clone()].iter().map(|&e| round_error_up(e)).collect();
+        let explicit = |m: usize| columns.explicit.partition_point(|split| split.update.ix() < m);
+        let bytes = page::encode_page(&page::PageSource {
+            vertex: &columns.vertex[range.clone()],
+            sides: &columns.sides[range.clone()],
+            explicit: &columns.explicit[explicit(range.start)..explicit(range.end)],
+            errors: &errors,
+            residuals: &residuals,
+        });
+        (bytes, errors.into_iter().fold(0.0, f32::max))
+    });
+
+    let mut table = Vec::with_capacity(UPDATE_ROW * pages.len());
+    let mut body = Vec::new();
+    for ((bytes, max_error), range) in pages.iter().zip(&ranges) {
+        table.extend_from_slice(&(bytes.len() as u32).to_le_bytes());
+        table.extend_from_slice(&(range.len() as u32).to_le_bytes());
+        table.extend_from_slice(&max_error.to_le_bytes());
+        table.extend_from_slice(&checksum(bytes).to_le_bytes());
+        body.extend_from_slice(bytes);
+    }
+
+    let stored = |name, bytes| Part { name, codec: Codec::Stored, bytes };
+    let coded = |name, bytes| Part { name, codec: Codec::Rans, bytes };
+    let mut head = vec![stored("META", encode_meta(columns)), coded("BASE", encode_base(columns, &indices))];
+    let mut pages = vec![coded("UPDT", body)];
+    let VertexColumns { normals, colors } = &columns.base.vertex;
+    let base_normals: Vec<Oct> = normals.iter().map(|&n| Oct::encode(n)).collect();
+    if !normals.is_empty() {
+        head.push(coded("BNRM", encode_base_normals(normals)));
+    }
+    if !colors.is_empty() {
+        head.push(stored("BCOL", colors.concat()));
+    }
+    head.push(stored("UTAB", table));
+    if !columns.normals.is_empty() {
+        let (table, body) = encode_attribute(&base_normals, base_count, &columns.vertex, &columns.normals, &ranges);
+        head.push(stored("NTAB", table));
+        pages.push(coded("NRML", body));
+    }
+    if !columns.colors.is_empty() {
+        let (table, body) = encode_attribute(colors, base_count, &columns.vertex, &columns.colors, &ranges);
+        head.push(stored("CTAB", table));
+        pages.push(coded("COLR", body));
+    }
+    head.extend(pages);
+    Ok(assemble(MODEL, &head))
+}
+
+/// Checks what the encoder relies on, and what the decoder will ask for.
+#[cfg(feature = "write")]
+fn check(columns: &Columns) -> Result<(), EncodeError> {
+    let Columns { base, vertex, sides, explicit, positions, normals, colors, errors, .. } = columns;
+    let updates = vertex.len();
+    let base_count = base.positions.len();
+    let length = |column, found, expected: usize, may_be_absent: bool| match found {
+        _ if found == expected || may_be_absent && found == 0 => Ok(()),
+        _ => Err(InvalidColumns::Length { column, found, expected }),
+    };
+    length("sides", sides.len(), updates, false)?;
+    length("positions", positions.len(), updates, false)?;
+    length("errors", errors.len(), updates, false)?;
+    length("normals", normals.len(), updates, true)?;
+    length("colors", colors.len(), updates, true)?;
+    length("base.vertex.normals", base.vertex.normals.len(), base_count, true)?;
+    length("base.vertex.colors", base.vertex.colors.len(), base_count, true)?;
+    let most = u32::MAX as usize;
+    if base_count.max(base.triangles.len()).saturating_add(2 * updates) > most {
+        return Err(InvalidColumns::TooMany(updates).into());
+    }
+    if base.triangles.iter().flatten().any(|v| v.ix() >= base_count) {
+        return Err(InvalidColumns::Base("a triangle names a vertex that does not exist").into());
+    }
+    let invalid = |m: usize, reason| InvalidColumns::Update { update: m as u32, reason };
+    let mut listed = explicit.iter().peekable();
+    for m in 0..updates {
+        if vertex[m].ix() >= base_count + 2 * m {
+            return Err(invalid(m, "splits a vertex that does not exist yet").into());
+        }
+        if !(errors[m] >= 0.0 && round_error_up(errors[m]).is_finite()) {
+            return Err(invalid(m, "error is negative or not finite").into());
+        }
+        let added = listed.next_if(|split| split.update.ix() == m);
+        if added.is_some() != (sides[m] & Columns::EXPLICIT != 0) {
+            return Err(invalid(m, "explicit split and its flag do not match").into());
+        }
+        if added.is_some_and(|s| s.added.len() > 255 || s.added.iter().any(|t| t.star as usize >= Columns::MAX_STAR)) {
+            return Err(invalid(m, "an added triangle is outside of the largest star").into());
+        }
+    }
+    if let Some(split) = listed.next() {
+        return Err(invalid(split.update.ix(), "explicit splits are not sorted by update").into());
+    }
+    if !(columns.floor_error >= 0.0 && columns.floor_error.is_finite()) {
+        return Err(InvalidColumns::Base("floor error is negative or not finite").into());
+    }
+    if let Some(reason) = columns.grid.and_then(|grid| grid_fault(&grid)) {
+        return Err(EncodeError::Grid(reason));
+    }
+    Ok(())
+}
+
+/// Why a grid cannot be used.
+fn grid_fault(grid: &Grid) -> Option<&'static str> {
+    let top = grid.origin + DVec3::splat(((1u64 << grid.bits.min(32)) - 1) as f64 * grid.step);
+    if !(10..=24).contains(&grid.bits) {
+        Some("bits must be 10 to 24")
+    } else if !(grid.step > 0.0 && grid.step.is_finite() && grid.origin.is_finite()) {
+        Some("step must be positive, step and origin finite")
+    } else if !(grid.origin.as_vec3().is_finite() && top.as_vec3().is_finite()) {
+        Some("its points are too large")
+    } else {
+        None
+    }
+}
+
+/// The integers of all vertices, base and children.
+#[cfg(feature = "write")]
+fn lattice_indices(columns: &Columns, lattice: &Lattice) -> Result<Vec<[u32; 3]>, EncodeError> {
+    let base = &columns.base.positions;
+    let children: &[Vec3] = bytemuck::cast_slice(&columns.positions);
+    const CHUNK: usize = 1 << 14;
+    let chunks: Vec<&[Vec3]> = base.chunks(CHUNK).chain(children.chunks(CHUNK)).collect();
+    let mut indices = vec![[0; 3]; base.len() + children.len()];
+    let (base_indices, child_indices) = indices.split_at_mut(base.len());
+    let targets = base_indices.chunks_mut(CHUNK).chain(child_indices.chunks_mut(CHUNK));
+    let firsts = map_all(chunks.into_iter().zip(targets).collect(), |(points, indices)| {
+        for (i, &p) in points.iter().enumerate() {
+            if !p.is_finite() {
+                return Err(i);
+            }
+            indices[i] = lattice.index(p);
+            if lattice.point(indices[i]) != Some(p) {
+                return Err(i);
+            }
+        }
+        Ok(points.len())
+    });
+    let mut vertex = 0;
+    for chunk in firsts {
+        match chunk {
+            Ok(length) => vertex += length,
+            Err(i) if columns.grid.is_some() => return Err(EncodeError::OffGrid { vertex: (vertex + i) as u32 }),
+            Err(i) if vertex + i < base.len() => return Err(InvalidColumns::Base("a coordinate is not finite").into()),
+            Err(i) => {
+                let update = ((vertex + i - base.len()) / 2) as u32;
+                return Err(InvalidColumns::Update { update, reason: "a coordinate is not finite" }.into());
+            }
+        }
+    }
+    Ok(indices)
+}
+
+#[cfg(feature = "write")]
+fn encode_meta(columns: &Columns) -> Vec<u8> {
+    let flag = |set: bool, flag: u32| if set { flag } else { 0 };
+    let base = &columns.base;
+    let flags = flag(columns.grid.is_some(), HAS_GRID)
+        | flag(!base.vertex.normals.is_empty(), HAS_BASE_NORMALS)
+        | flag(!base.vertex.colors.is_empty(), HAS_BASE_COLORS)
+        | flag(!columns.normals.is_empty(), HAS_NORMALS)
+        | flag(!columns.colors.is_empty(), HAS_COLORS);
+    let Grid { bits, origin, step } = columns.grid.unwrap_or(Grid { bits: 0, origin: DVec3::ZERO, step: 0.0 });
+    let mut bytes = Vec::with_capacity(META_LENGTH);
+    bytes.extend_from_slice(&flags.to_le_bytes());
+    bytes.extend_from_slice(&bits.to_le_bytes());
+    for number in [origin.x, origin.y, origin.z, step] {
+        bytes.extend_from_slice(&number.to_le_bytes());
+    }
+    for count in [base.positions.len(), base.triangles.len(), columns.vertex.len()] {
+        bytes.extend_from_slice(&(count as u32).to_le_bytes());
+    }
+    bytes.extend_from_slice(&columns.floor_error.to_le_bytes());
+    bytes.extend_from_slice(&columns.source.vertices.to_le_bytes());
+    bytes.extend_from_slice(&columns.source.triangles.to_le_bytes());
+    bytes
+}
+
+fn decode_meta(section: Section) -> Result<Meta, Fault> {
+    let bytes = section.bytes;
+    if bytes.len() != META_LENGTH {
+        return Err(section.fault(0, "length is not 64"));
+    }
+    let number = |at| f64::from_bits(u64_at(bytes, at));
+    let count = |at| u32_at(bytes, at) as usize;
+    let flags = u32_at(bytes, 0);
+    if flags >= 2 * HAS_COLORS {
+        return Err(section.fault(0, "unknown flags"));
+    }
+    let grid = Grid { bits: u32_at(bytes, 4), origin: DVec3::new(number(8), number(16), number(24)), step: number(32) };
+    let grid = (flags & HAS_GRID != 0).then_some(grid);
+    if let Some(reason) = grid.and_then(|grid| grid_fault(&grid)) {
+        return Err(section.fault(4, reason));
+    }
+    let meta = Meta {
+        flags,
+        grid,
+        base_vertices: count(40),
+        base_triangles: count(44),
+        updates: count(48),
+        floor_error: f32::from_bits(u32_at(bytes, 52)),
+        source: SourceCounts { vertices: u32_at(bytes, 56), triangles: u32_at(bytes, 60) },
+    };
+    let ids = meta.base_vertices.max(meta.base_triangles) as u64 + 2 * meta.updates as u64;
+    if ids > u32::MAX as u64 {
+        return Err(section.fault(40, "more vertices or triangles than 32-bit ids can name"));
+    }
+    if !(meta.floor_error >= 0.0 && meta.floor_error.is_finite()) {
+        return Err(section.fault(52, "floor error is negative or not finite"));
+    }
+    if meta.updates == 0 && flags & (HAS_NORMALS | HAS_COLORS) != 0 {
+        return Err(section.fault(0, "attributes of no updates"));
+    }
+    Ok(meta)
+}
+
+#[cfg(feature = "write")]
+fn encode_base(columns: &Columns, indices: &[[u32; 3]]) -> Vec<u8> {
+    let base = &columns.base;
+    let mut encoder = Encoder::default();
+    let mut models = int_models::<3>();
+    let mut before = [0u32; 3];
+    for index in &indices[..base.positions.len()] {
+        for axis in 0..3 {
+            encode_int(&mut encoder, &mut models[axis], index[axis].wrapping_sub(before[axis]) as i32);
+        }
+        before = *index;
+    }
+    let positions = encoder.finish();
+    let mut encoder = Encoder::default();
+    let mut models = int_models::<3>();
+    let mut first = 0u32;
+    for t in &base.triangles {
+        let mut before = first;
+        for corner in 0..3 {
+            encode_int(&mut encoder, &mut models[corner], t[corner].0.wrapping_sub(before) as i32);
+            before = t[corner].0;
+        }
+        first = t[0].0;
+    }
+    let triangles = encoder.finish();
+    let mut bytes = Vec::new();
+    bytes.extend_from_slice(&(positions.len() as u32).to_le_bytes());
+    bytes.extend_from_slice(&(triangles.len() as u32).to_le_bytes());
+    bytes.extend_from_slice(&positions);
+    bytes.extend_from_slice(&triangles);
+    // At least a byte each, so that a reader can bound its memory by the file's size.
+    bytes.resize(bytes.len().max(base.positions.len() + base.triangles.len()), 0);
+    bytes
+}
+
+/// The base mesh without attributes, and the integers of its vertices.
+fn decode_base(section: Section, meta: &Meta) -> Result<(TriangleMesh, Vec<[u32; 3]>), Fault> {
+    let bytes = section.bytes;
+    let least = meta.base_vertices + meta.base_triangles;
+    if bytes.len() < 8 || bytes.len() < least {
+        return Err(section.fault(0, "shorter than its vertices and triangles need"));
+    }
+    let lengths = [u32_at(bytes, 0) as usize, u32_at(bytes, 4) as usize];
+    let end = 8 + lengths[0] as u64 + lengths[1] as u64;
+    if end > bytes.len() as u64 {
+        return Err(section.fault(0, "streams are longer than the section"));
+    }
+    let end = end as usize;
+    if bytes[end..].iter().any(|&b| b != 0) || bytes.len() > end.max(least) {
+        return Err(section.fault(end, "holds more than its streams"));
+    }
+    let lattice = Lattice::new(meta.grid);
+
+    let mut decoder = Decoder::new(&bytes[8..8 + lengths[0]]);
+    let mut models = int_models::<3>();
+    let mut indices = vec![[0; 3]; meta.base_vertices];
+    let mut positions = vec![Vec3::ZERO; meta.base_vertices];
+    let mut index = [0u32; 3];
+    for i in 0..meta.base_vertices {
+        for axis in 0..3 {
+            index[axis] = index[axis].wrapping_add(decode_int(&mut decoder, &mut models[axis]).0 as u32);
+        }
+        indices[i] = index;
+        positions[i] = lattice.point(index).ok_or(section.fault(8, "a base vertex is outside of the grid"))?;
+    }
+    if !decoder.finish() {
+        return Err(section.fault(8, "positions do not end where their stream does"));
+    }
+
+    let at = 8 + lengths[0];
+    let mut decoder = Decoder::new(&bytes[at..end]);
+    let mut models = int_models::<3>();
+    let mut triangles = vec![[VertexId(0); 3]; meta.base_triangles];
+    let mut first = 0u32;
+    for t in &mut triangles {
+        let mut before = first;
+        for corner in 0..3 {
+            before = before.wrapping_add(decode_int(&mut decoder, &mut models[corner]).0 as u32);
+            t[corner] = VertexId(before);
+        }
+        if t.iter().any(|v| v.ix() >= meta.base_vertices) {
+            return Err(section.fault(at, "a base triangle names a vertex that does not exist"));
+        }
+        first = t[0].0;
+    }
+    if !decoder.finish() {
+        return Err(section.fault(at, "triangles do not end where their stream does"));
+    }
+    Ok((TriangleMesh { positions, triangles, vertex: VertexColumns::default() }, indices))
+}
+
+#[cfg(feature = "write")]
+fn encode_base_normals(normals: &[Vec3]) -> Vec<u8> {
+    let mut encoder = Encoder::default();
+    let mut models = int_models::<3>();
+    let mut before = [0u32; 3];
+    for n in normals {
+        let bits = n.to_array().map(ordered_bits);
+        for axis in 0..3 {
+            encode_int(&mut encoder, &mut models[axis], bits[axis].wrapping_sub(before[axis]) as i32);
+        }
+        before = bits;
+    }
+    encoder.finish()
+}
+
+fn decode_base_normals(section: Section, count: usize) -> Result<Vec<Vec3>, Fault> {
+    let mut decoder = Decoder::new(section.bytes);
+    let mut models = int_models::<3>();
+    let mut bits = [0u32; 3];
+    let normals = (0..count)
+        .map(|_| {
+            for axis in 0..3 {
+                bits[axis] = bits[axis].wrapping_add(decode_int(&mut decoder, &mut models[axis]).0 as u32);
+            }
+            Vec3::from_array(bits.map(of_ordered_bits))
+        })
+        .collect();
+    if decoder.finish() { Ok(normals) } else { Err(section.fault(0, "normals do not end where their stream does")) }
+}
+
+fn decode_base_colors(section: Section, count: usize) -> Result<Vec<[u8; 4]>, Fault> {
+    let colors = section.bytes.chunks_exact(4);
+    if colors.len() != count || !colors.remainder().is_empty() {
+        return Err(section.fault(0, "not as long as the base mesh's vertices need"));
+    }
+    Ok(colors.map(|c| c.try_into().expect("four bytes")).collect())
+}
+
+/// Table and pages of an attribute.
+#[cfg(feature = "write")]
+fn encode_attribute<A: Attribute>(
+    base: &[A],
+    base_count: usize,
+    vertex: &[VertexId],
+    children: &[[A; 2]],
+    ranges: &[std::ops::Range<usize>],
+) -> (Vec<u8>, Vec<u8>) {
+    let pages = map_all(ranges.to_vec(), |range| {
+        let differences: Vec<_> = range
+            .map(|m| {
+                let [u, v] = children[m];
+                [u.minus(value_of(base, base_count, children, vertex[m].ix())), v.minus(u)]
+            })
+            .collect();
+        attributes::encode_page::<A>(&differences)
+    });
+    let (mut table, mut body) = (Vec::new(), Vec::new());
+    for page in pages {
+        table.extend_from_slice(&(page.len() as u32).to_le_bytes());
+        table.extend_from_slice(&checksum(&page).to_le_bytes());
+        body.extend_from_slice(&page);
+    }
+    (table, body)
+}
+
+/// Pages of an attribute, unpacked and summed along the splits.
+fn decode_attribute<A: Attribute>(
+    table: Section,
+    body: Section,
+    rows: &[PageRow],
+    base: &[A],
+    base_count: usize,
+    vertex: &[VertexId],
+) -> Result<Vec<[A; 2]>, Fault> {
+    if table.bytes.len() != ATTRIBUTE_ROW * rows.len() {
+        return Err(table.fault(0, "does not have a row for each page"));
+    }
+    let mut children = vec![[A::default(); 2]; vertex.len()];
+    let mut targets = Vec::with_capacity(rows.len());
+    let mut rest = &mut children[..];
+    let mut at = 0;
+    for (i, row) in rows.iter().enumerate() {
+        let length = u32_at(table.bytes, ATTRIBUTE_ROW * i) as usize;
+        let page = page_section(body, at, length, u32_at(table.bytes, ATTRIBUTE_ROW * i + 4))?;
+        at += length;
+        let (target, after) = rest.split_at_mut(row.updates);
+        rest = after;
+        targets.push((page, target));
+    }
+    if at != body.bytes.len() {
+        return Err(body.fault(at, "bytes that belong to no page"));
+    }
+    for page in map_all(targets, |(page, target)| attributes::decode_page(page, target)) {
+        page?;
+    }
+    for m in 0..vertex.len() {
+        // Both hold differences from zero; adding a difference from zero to a value adds the difference.
+        let [u, v] = children[m];
+        let u = value_of(base, base_count, &children, vertex[m].ix()).plus(u.minus(A::default()));
+        children[m] = [u, u.plus(v.minus(A::default()))];
+    }
+    Ok(children)
+}
+
+/// A row of UTAB, with what follows from the rows before it.
+struct PageRow<'a> {
+    page: Section<'a>,
+    first: usize,
+    updates: usize,
+    max_error: f32,
+}
+
+/// A page of a section, its checksum compared.
+fn page_section(body: Section<'_>, at: usize, length: usize, sum: u32) -> Result<Section<'_>, Fault> {
+    let end = at.checked_add(length).filter(|&end| end <= body.bytes.len());
+    let end = end.ok_or(body.fault(at, "a page reaches beyond its section"))?;
+    let page = Section { offset: body.offset + at, bytes: &body.bytes[at..end], ..body };
+    if checksum(page.bytes) != sum { Err(page.fault(0, "checksum of a page is wrong")) } else { Ok(page) }
+}
+
+/// The rows of UTAB, checked against META and UPDT.
+fn decode_table<'a>(table: Section, body: Section<'a>, meta: &Meta) -> Result<Vec<PageRow<'a>>, Fault> {
+    if table.bytes.len() % UPDATE_ROW != 0 {
+        return Err(table.fault(0, "length is not a multiple of 16"));
+    }
+    let (mut at, mut first) = (0, 0);
+    let mut rows = Vec::with_capacity(table.bytes.len() / UPDATE_ROW);
+    for row in 0..table.bytes.len() / UPDATE_ROW {
+        let number = |column: usize| u32_at(table.bytes, UPDATE_ROW * row + 4 * column);
+        let (length, updates, max_error) = (number(0) as usize, number(1) as usize, f32::from_bits(number(2)));
+        if updates == 0 || updates > length || updates > meta.updates - first {
+            return Err(table.fault(UPDATE_ROW * row, "number of updates does not fit page or file"));
+        }
+        let page = page_section(body, at, length, number(3))?;
+        rows.push(PageRow { page, first, updates, max_error });
+        at += length;
+        first += updates;
+    }
+    if first != meta.updates {
+        return Err(table.fault(0, "pages hold fewer updates than the file"));
+    }
+    if at != body.bytes.len() {
+        return Err(body.fault(at, "bytes that belong to no page"));
+    }
+    Ok(rows)
+}
+
+/// A file's sections, found and compared with META.
+struct Opened<'a> {
+    meta: Meta,
+    sections: Vec<Section<'a>>,
+}
+
+impl<'a> Opened<'a> {
+    fn new(bytes: &'a [u8], file: &str) -> Result<Opened<'a>, ReadError> {
+        let sections = container::open(bytes, file, MODEL, &SECTIONS)?;
+        let missing = |name| Fault { section: name, offset: 0, reason: "is missing" }.in_file(file);
+        let get = |name: &str| sections.iter().find(|s| s.name == name).copied();
+        let meta = decode_meta(get("META").ok_or_else(|| missing("META"))?).map_err(|f| f.in_file(file))?;
+        for name in SECTIONS {
+            let expected = match name {
+                "BNRM" => meta.has(HAS_BASE_NORMALS),
+                "BCOL" => meta.has(HAS_BASE_COLORS),
+                "NTAB" | "NRML" => meta.has(HAS_NORMALS),
+                "CTAB" | "COLR" => meta.has(HAS_COLORS),
+                _ => true,
+            };
+            match get(name) {
+                None if expected => return Err(missing(name)),
+                Some(section) if !expected => {
+                    return Err(section.fault(0, "is there, but META says that it is not").in_file(file));
+                }
+                _ => {}
+            }
+        }
+        Ok(Opened { meta, sections })
+    }
+
+    /// A section that is known to be there.
+    fn section(&self, name: &str) -> Section<'a> {
+        *self.sections.iter().find(|s| s.name == name).expect("compared with META")
+    }
+}
+
+/// The columns of a file that lies in memory. `file` is what errors call it.
+///
+/// Every byte is covered by a checksum, and every number is checked before it is used or allocated for: beyond the
+/// result, memory stays below 128 bytes for each byte of the file, whatever the file says. Whether each split can be applied is for
+/// `EdgeCollapse::new` to check.
+///
+/// # Errors
+/// [`ReadError`], with section and offset.
+pub fn decode(bytes: &[u8], file: &str) -> Result<Columns, ReadError> {
+    let opened = Opened::new(bytes, file)?;
+    decode_opened(&opened).map_err(|fault| fault.in_file(file))
+}
+
+fn decode_opened(opened: &Opened) -> Result<Columns, Fault> {
+    let meta = &opened.meta;
+    let rows = decode_table(opened.section("UTAB"), opened.section("UPDT"), meta)?;
+    let (mut base, base_indices) = decode_base(opened.section("BASE"), meta)?;
+    if meta.has(HAS_BASE_NORMALS) {
+        base.vertex.normals = decode_base_normals(opened.section("BNRM"), meta.base_vertices)?;
+    }
+    if meta.has(HAS_BASE_COLORS) {
+        base.vertex.colors = decode_base_colors(opened.section("BCOL"), meta.base_vertices)?;
+    }
+
+    let mut columns = Columns {
+        grid: meta.grid,
+        vertex: vec![VertexId(0); meta.updates],
+        sides: vec![0; meta.updates],
+        errors: vec![0.0; meta.updates],
+        floor_error: meta.floor_error,
+        source: meta.source,
+        ..Columns::default()
+    };
+    let mut residuals = vec![page::Residuals::default(); meta.updates];
+    let mut targets = Vec::with_capacity(rows.len());
+    let (mut vertex, mut sides) = (&mut columns.vertex[..], &mut columns.sides[..]);
+    let (mut errors, mut rest) = (&mut columns.errors[..], &mut residuals[..]);
+    for row in &rows {
+        targets.push((
+            row,
+            page::PageTarget {
+                first: row.first,
+                vertex: vertex.split_off_mut(..row.updates).expect("counted"),
+                sides: sides.split_off_mut(..row.updates).expect("counted"),
+                errors: errors.split_off_mut(..row.updates).expect("counted"),
+                residuals: rest.split_off_mut(..row.updates).expect("counted"),
+            },
+        ));
+    }
+    let explicit = map_all(targets, |(row, mut target)| {
+        let explicit = page::decode_page(row.page, &mut target)?;
+        if target.errors.iter().copied().fold(0.0, f32::max).to_bits() != row.max_error.to_bits() {
+            return Err(row.page.fault(0, "largest error is not what UTAB says"));
+        }
+        Ok(explicit)
+    });
+    for page in explicit {
+        columns.explicit.extend(page?);
+    }
+
+    columns.positions = sum_positions(meta, &rows, &columns.vertex, &base_indices, residuals)?;
+    if meta.has(HAS_NORMALS) {
+        let base: Vec<Oct> = base.vertex.normals.iter().map(|&n| Oct::encode(n)).collect();
+        let (table, body) = (opened.section("NTAB"), opened.section("NRML"));
+        columns.normals = decode_attribute(table, body, &rows, &base, meta.base_vertices, &columns.vertex)?;
+    }
+    if meta.has(HAS_COLORS) {
+        let (table, body) = (opened.section("CTAB"), opened.section("COLR"));
+        let base = &base.vertex.colors;
+        columns.colors = decode_attribute(table, body, &rows, base, meta.base_vertices, &columns.vertex)?;
+    }
+    columns.base = base;
+    Ok(columns)
+}
+
+/// Sums differences along the splits, coarse to fine.
+fn sum_positions(
+    meta: &Meta,
+    rows: &[PageRow],
+    vertex: &[VertexId],
+    base: &[[u32; 3]],
+    mut residuals: Vec<page::Residuals>,
+) -> Result<Vec<[Vec3; 2]>, Fault> {
+    let lattice = Lattice::new(meta.grid);
+    let mut positions = vec![[Vec3::ZERO; 2]; meta.updates];
+    for row in rows {
+        for m in row.first..row.first + row.updates {
+            let s = vertex[m].ix();
+            let s = match s.checked_sub(meta.base_vertices) {
+                None => base[s],
+                // Children's integers replace the differences that they were made of.
+                Some(child) if child < 2 * m => residuals[child / 2][child % 2].map(|i| i as u32),
+                Some(_) => return Err(row.page.fault(0, "an update splits a vertex that does not exist yet")),
+            };
+            let children = split_from_residual(s, residuals[m]);
+            for (child, index) in children.into_iter().enumerate() {
+                let point = lattice.point(index);
+                positions[m][child] = point.ok_or(row.page.fault(0, "a vertex is outside of the grid"))?;
+            }
+            residuals[m] = children.map(|index| index.map(|i| i as i32));
+        }
+    }
+    Ok(positions)
+}

@@ -1,0 +1,291 @@
+//! A page of updates: one stream a column, each understood without any other page.
+
+use meshfront_hierarchies::edge_collapse::{AddedTriangle, Columns, ExplicitSplit};
+use meshfront_mesh::VertexId;
+use meshfront_refine::UpdateId;
+
+use crate::container::{Section, u32_at};
+use crate::error::Fault;
+use crate::rans::{Decoder, IntModel, Model, decode_int};
+#[cfg(feature = "write")]
+use crate::rans::{Encoder, encode_int};
+
+/// Columns of a page, in the order of their streams.
+pub(super) const COLUMNS: [&str; 5] = ["vertex", "sides", "explicit", "errors", "positions"];
+/// Lengths of the streams, before them.
+const LENGTHS: usize = 4 * COLUMNS.len();
+
+/// Low bits of an error that are always zero: what is left is 1/16 of an octave.
+pub(super) const ERROR_SHIFT: u32 = 19;
+
+/// Contexts by octave of an integer's class.
+const OCTAVES: usize = 32;
+
+/// Differences of both new points from s, per update: edge, then middle.
+pub(super) type Residuals = [[i32; 3]; 2];
+
+/// The models of the position column.
+struct PositionModels {
+    edge: [Vec<IntModel>; 3],
+    middle: [Vec<IntModel>; 3],
+}
+
+impl PositionModels {
+    fn new() -> Self {
+        let models = || std::array::from_fn(|_| vec![IntModel::new(); OCTAVES]);
+        PositionModels { edge: models(), middle: models() }
+    }
+}
+
+/// The models of the sides column: three nibbles, each known by the one before, and what is above them.
+struct SidesModels {
+    low: Model<16>,
+    mid: Vec<Model<16>>,
+    high: Vec<Model<16>>,
+    rest: IntModel,
+}
+
+impl SidesModels {
+    fn new() -> Self {
+        SidesModels {
+            low: Model::new(),
+            mid: vec![Model::new(); 16],
+            high: vec![Model::new(); 16],
+            rest: IntModel::new(),
+        }
+    }
+}
+
+/// The columns of some updates that go into one page.
+#[cfg(feature = "write")]
+pub(super) struct PageSource<'a> {
+    pub(super) vertex: &'a [VertexId],
+    pub(super) sides: &'a [u32],
+    /// The explicit splits among the page's updates.
+    pub(super) explicit: &'a [ExplicitSplit],
+    /// Rounded up.
+    pub(super) errors: &'a [f32],
+    pub(super) residuals: &'a [Residuals],
+}
+
+#[cfg(feature = "write")]
+pub(super) fn encode_page(page: &PageSource) -> Vec<u8> {
+    let streams: [Vec<u8>; 5] = [
+        encode_vertex(page.vertex),
+        encode_sides(page.sides),
+        encode_explicit(page.explicit),
+        encode_errors(page.errors),
+        encode_positions(page.residuals),
+    ];
+    let mut bytes = Vec::with_capacity(LENGTHS + streams.iter().map(Vec::len).sum::<usize>());
+    for stream in &streams {
+        bytes.extend_from_slice(&(stream.len() as u32).to_le_bytes());
+    }
+    for stream in &streams {
+        bytes.extend_from_slice(stream);
+    }
+    // At least a byte an update, so that a reader can bound its memory by the file's size.
+    bytes.resize(bytes.len().max(page.vertex.len()), 0);
+    bytes
+}
+
+/// Where the columns of a page go.
+pub(super) struct PageTarget<'a> {
+    /// The page's first update.
+    pub(super) first: usize,
+    pub(super) vertex: &'a mut [VertexId],
+    pub(super) sides: &'a mut [u32],
+    pub(super) errors: &'a mut [f32],
+    pub(super) residuals: &'a mut [Residuals],
+}
+
+/// Byte lengths of a page's streams, checked against the page.
+pub(super) fn stream_lengths(page: Section) -> Result<[usize; 5], Fault> {
+    if page.bytes.len() < LENGTHS {
+        return Err(page.fault(0, "page is shorter than its header"));
+    }
+    let lengths = std::array::from_fn(|i| u32_at(page.bytes, 4 * i) as usize);
+    let total = lengths.iter().map(|&l| l as u64).sum::<u64>();
+    if total > (page.bytes.len() - LENGTHS) as u64 {
+        return Err(page.fault(0, "columns are longer than their page"));
+    }
+    Ok(lengths)
+}
+
+/// Fills the target; returns the page's explicit splits.
+pub(super) fn decode_page(page: Section, target: &mut PageTarget) -> Result<Vec<ExplicitSplit>, Fault> {
+    let lengths = stream_lengths(page)?;
+    let mut at = LENGTHS;
+    let [vertex, sides, explicit, errors, positions] = lengths.map(|length| {
+        let stream = Section { offset: page.offset + at, bytes: &page.bytes[at..at + length], ..page };
+        at += length;
+        stream
+    });
+    if page.bytes[at..].iter().any(|&b| b != 0) || page.bytes.len() > at.max(target.vertex.len()) {
+        return Err(page.fault(at, "page holds more than its columns"));
+    }
+    decode_vertex(vertex, target.vertex)?;
+    decode_sides(sides, target.sides)?;
+    decode_errors(errors, target.errors)?;
+    decode_positions(positions, target.residuals)?;
+    decode_explicit(explicit, target.first, target.sides)
+}
+
+fn ended(decoder: Decoder, stream: Section) -> Result<(), Fault> {
+    if decoder.finish() { Ok(()) } else { Err(stream.fault(0, "column does not end where its stream does")) }
+}
+
+#[cfg(feature = "write")]
+fn encode_vertex(vertex: &[VertexId]) -> Vec<u8> {
+    let (mut encoder, mut model, mut before) = (Encoder::default(), IntModel::new(), 0);
+    for v in vertex {
+        encode_int(&mut encoder, &mut model, v.0.wrapping_sub(before) as i32);
+        before = v.0;
+    }
+    encoder.finish()
+}
+
+fn decode_vertex(stream: Section, vertex: &mut [VertexId]) -> Result<(), Fault> {
+    let (mut decoder, mut model, mut before) = (Decoder::new(stream.bytes), IntModel::new(), 0u32);
+    for v in vertex {
+        before = before.wrapping_add(decode_int(&mut decoder, &mut model).0 as u32);
+        *v = VertexId(before);
+    }
+    ended(decoder, stream)
+}
+
+#[cfg(feature = "write")]
+fn encode_sides(sides: &[u32]) -> Vec<u8> {
+    let (mut encoder, mut models) = (Encoder::default(), SidesModels::new());
+    for mask in sides {
+        let [low, mid, high] = [0, 4, 8].map(|shift| (mask >> shift & 15) as usize);
+        encoder.symbol(&mut models.low, low);
+        encoder.symbol(&mut models.mid[low], mid);
+        encoder.symbol(&mut models.high[mid], high);
+        encode_int(&mut encoder, &mut models.rest, (mask >> 12) as i32);
+    }
+    encoder.finish()
+}
+
+fn decode_sides(stream: Section, sides: &mut [u32]) -> Result<(), Fault> {
+    let (mut decoder, mut models) = (Decoder::new(stream.bytes), SidesModels::new());
+    for mask in sides {
+        let low = decoder.symbol(&mut models.low);
+        let mid = decoder.symbol(&mut models.mid[low]);
+        let high = decoder.symbol(&mut models.high[mid]);
+        let (rest, _) = decode_int(&mut decoder, &mut models.rest);
+        *mask = low as u32 | (mid as u32) << 4 | (high as u32) << 8 | (rest as u32) << 12;
+    }
+    ended(decoder, stream)
+}
+
+#[cfg(feature = "write")]
+fn encode_errors(errors: &[f32]) -> Vec<u8> {
+    let (mut encoder, mut before) = (Encoder::default(), 0);
+    let (mut octaves, mut sixteenths) = (IntModel::new(), Model::<16>::new());
+    for error in errors {
+        let bits = error.to_bits() >> ERROR_SHIFT;
+        let (octave, sixteenth) = (bits >> 4, bits & 15);
+        encode_int(&mut encoder, &mut octaves, octave.wrapping_sub(before) as i32);
+        encoder.symbol(&mut sixteenths, sixteenth as usize);
+        before = octave;
+    }
+    encoder.finish()
+}
+
+fn decode_errors(stream: Section, errors: &mut [f32]) -> Result<(), Fault> {
+    let (mut decoder, mut octave) = (Decoder::new(stream.bytes), 0u32);
+    let (mut octaves, mut sixteenths) = (IntModel::new(), Model::<16>::new());
+    let mut finite = true;
+    for error in errors {
+        octave = octave.wrapping_add(decode_int(&mut decoder, &mut octaves).0 as u32);
+        let sixteenth = decoder.symbol(&mut sixteenths) as u32;
+        // Exponents 0..255 of positive floats; 255 is infinity and NaN.
+        finite &= octave < 255;
+        *error = f32::from_bits((octave & 255) << 23 | sixteenth << ERROR_SHIFT);
+    }
+    if !finite {
+        return Err(stream.fault(0, "an error is negative or not finite"));
+    }
+    ended(decoder, stream)
+}
+
+#[cfg(feature = "write")]
+fn encode_positions(residuals: &[Residuals]) -> Vec<u8> {
+    let (mut encoder, mut models) = (Encoder::default(), PositionModels::new());
+    for [edge, middle] in residuals {
+        let mut largest = 0;
+        for axis in 0..3 {
+            let class = encode_int(&mut encoder, &mut models.edge[axis][largest / 2], edge[axis]);
+            largest = largest.max(class);
+        }
+        for axis in 0..3 {
+            encode_int(&mut encoder, &mut models.middle[axis][largest / 2], middle[axis]);
+        }
+    }
+    encoder.finish()
+}
+
+fn decode_positions(stream: Section, residuals: &mut [Residuals]) -> Result<(), Fault> {
+    let (mut decoder, mut models) = (Decoder::new(stream.bytes), PositionModels::new());
+    for [edge, middle] in residuals {
+        let mut largest = 0;
+        for axis in 0..3 {
+            let (value, class) = decode_int(&mut decoder, &mut models.edge[axis][largest / 2]);
+            edge[axis] = value;
+            largest = largest.max(class);
+        }
+        for axis in 0..3 {
+            middle[axis] = decode_int(&mut decoder, &mut models.middle[axis][largest / 2]).0;
+        }
+    }
+    ended(decoder, stream)
+}
+
+/// Bits of an added triangle's byte.
+const STAR: u8 = 0x1f;
+const BEFORE: u8 = 0x20;
+const FLIPPED: u8 = 0x40;
+
+#[cfg(feature = "write")]
+fn encode_explicit(explicit: &[ExplicitSplit]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for split in explicit {
+        bytes.push(split.added.len() as u8);
+        bytes.extend(
+            split
+                .added
+                .iter()
+                .map(|t| t.star | if t.before { BEFORE } else { 0 } | if t.flipped { FLIPPED } else { 0 }),
+        );
+    }
+    bytes
+}
+
+fn decode_explicit(stream: Section, first: usize, sides: &[u32]) -> Result<Vec<ExplicitSplit>, Fault> {
+    let mut explicit = Vec::new();
+    let mut rest = stream.bytes;
+    for (i, mask) in sides.iter().enumerate() {
+        if mask & Columns::EXPLICIT == 0 {
+            continue;
+        }
+        let at = stream.bytes.len() - rest.len();
+        let (&count, after) = rest.split_first().ok_or(stream.fault(at, "explicit splits are missing"))?;
+        let added = after.get(..count as usize).ok_or(stream.fault(at, "an explicit split is cut off"))?;
+        if added.iter().any(|&t| t & !(STAR | BEFORE | FLIPPED) != 0) {
+            return Err(stream.fault(at, "an added triangle has an unknown bit"));
+        }
+        rest = &after[count as usize..];
+        explicit.push(ExplicitSplit {
+            update: UpdateId((first + i) as u32),
+            added: added
+                .iter()
+                .map(|&t| AddedTriangle { star: t & STAR, before: t & BEFORE != 0, flipped: t & FLIPPED != 0 })
+                .collect(),
+        });
+    }
+    if !rest.is_empty() {
+        return Err(stream.fault(stream.bytes.len() - rest.len(), "more explicit splits than updates that have one"));
+    }
+    Ok(explicit)
+}
