@@ -1,0 +1,278 @@
+//! Meshfront beside its rivals: the same meshes, the same machine, the same run. `cargo xtask bench` starts it with
+//! everything installed; raw results go to a file, a table to the terminal.
+
+mod ply;
+mod report;
+mod rivals;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Instant, SystemTime};
+
+use anyhow::{Context, Result, bail};
+use clap::{Parser, ValueEnum};
+use ply::Mesh;
+use report::Report;
+use rivals::{Tools, number, path};
+use serde_json::{Value, json};
+use wait4::Wait4;
+
+#[derive(Parser)]
+struct Arguments {
+    /// Meshes in any format that both sides read; a name is a file's name up to the first dot
+    #[arg(required = true)]
+    meshes: Vec<PathBuf>,
+    /// The release binary
+    #[arg(long)]
+    meshfront: PathBuf,
+    /// A Python with bench/requirements.txt
+    #[arg(long)]
+    python: PathBuf,
+    /// bench/rivals.py
+    #[arg(long)]
+    rivals: PathBuf,
+    /// Runs the fly-by in a page: a command line that gets the .front file as its last argument and prints JSON
+    #[arg(long)]
+    page: Option<String>,
+    /// Where intermediate meshes go
+    #[arg(long)]
+    work: PathBuf,
+    /// Folder of results
+    #[arg(long)]
+    results: PathBuf,
+    /// Repetitions of what is timed; the median counts
+    #[arg(long, default_value_t = 3)]
+    runs: usize,
+    /// Measure this alone (repeatable)
+    #[arg(long, value_enum)]
+    only: Vec<Part>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Part {
+    Build,
+    Quality,
+    Promise,
+    Flyby,
+}
+
+/// A mesh, as the rivals get it and as we get it.
+struct Subject {
+    name: String,
+    /// The user's file.
+    source: PathBuf,
+    /// The same surface without duplicates, which all rivals read.
+    clean: PathBuf,
+    mesh: Mesh,
+    /// Our hierarchy of `source`, with default options.
+    front: PathBuf,
+}
+
+fn main() -> Result<()> {
+    let arguments = Arguments::parse();
+    let measures = |part| arguments.only.is_empty() || arguments.only.contains(&part);
+    let tools = Tools {
+        meshfront: arguments.meshfront.clone(),
+        python: arguments.python.clone(),
+        rivals_py: arguments.rivals.clone(),
+    };
+    std::fs::create_dir_all(&arguments.work)?;
+    std::fs::create_dir_all(&arguments.results)?;
+    let mut report = Report::new(&arguments.meshfront)?;
+    for source in &arguments.meshes {
+        let subject = prepare(&tools, source, &arguments.work)?;
+        report.mesh(&subject.name, subject.mesh.positions.len(), subject.mesh.triangles());
+        if measures(Part::Build) {
+            build_time(&tools, &subject, arguments.runs, &mut report)?;
+        }
+        if measures(Part::Quality) {
+            quality(&tools, &subject, &arguments.work, &mut report)?;
+        }
+        if measures(Part::Promise) {
+            promise(&tools, &subject, &arguments.work, &mut report)?;
+        }
+        if measures(Part::Flyby) {
+            fly_by(&tools, &subject, arguments.page.as_deref(), &mut report)?;
+        }
+    }
+    let date = humantime::format_rfc3339_seconds(SystemTime::now()).to_string();
+    report.write(&arguments.results, &date)
+}
+
+fn prepare(tools: &Tools, source: &Path, work: &Path) -> Result<Subject> {
+    let file = source.file_name().and_then(|name| name.to_str()).context("a mesh file's name must be UTF-8")?;
+    let name = file.split('.').next().unwrap_or(file).to_owned();
+    report::say(&format!("{name}: preparing"));
+    let clean = work.join(format!("{name}.ply"));
+    tools.python(&["clean", path(source), path(&clean)])?;
+    let mesh = ply::read(&clean)?;
+    let front = work.join(format!("{name}.front"));
+    tools.meshfront(&["build", path(source), "-o", path(&front), "--force"])?;
+    Ok(Subject { name, source: source.to_owned(), clean, mesh, front })
+}
+
+/// From the user's file to our file, beside one call of `meshopt_simplify` to 1 % on the mesh in memory.
+fn build_time(tools: &Tools, subject: &Subject, runs: usize, report: &mut Report) -> Result<()> {
+    let (mut ours, mut theirs, mut peak) = (Vec::new(), Vec::new(), 0);
+    for run in 0..runs {
+        report::say(&format!("{}: build {} of {runs}", subject.name, run + 1));
+        theirs.push(rivals::meshopt(&subject.mesh, subject.mesh.triangles() / 100)?.1);
+        let start = Instant::now();
+        let mut command = Command::new(&tools.meshfront);
+        command.args(["build", path(&subject.source), "-o", path(&subject.front), "--force", "--quiet"]);
+        let used = command.stdin(Stdio::null()).spawn()?.wait4()?;
+        ours.push(start.elapsed().as_secs_f64());
+        if !used.status.success() {
+            bail!("{command:?} failed");
+        }
+        peak = peak.max(used.rusage.maxrss);
+    }
+    let bytes = std::fs::metadata(&subject.front)?.len();
+    let (seconds, meshopt_seconds) = (median(&mut ours), median(&mut theirs));
+    report.raw(
+        &subject.name,
+        "build",
+        json!({ "seconds": ours, "meshopt_simplify_seconds": theirs, "peak_bytes": peak, "front_bytes": bytes }),
+    );
+    let name = &subject.name;
+    report.at_most(&format!("{name}: build / meshopt_simplify to 1 %"), seconds / meshopt_seconds, 6.0, "×");
+    report.at_most(&format!("{name}: build"), seconds, 8.0, "s");
+    report.at_most(&format!("{name}: build, peak memory"), peak as f64 / 1e9, 1.2, "GB");
+    report.at_most(&format!("{name}: file"), bytes as f64 / subject.mesh.positions.len() as f64, 9.0, "B/vertex");
+    Ok(())
+}
+
+/// Mean distance at 10 % and 1 % of the triangles, at the very count that VTK arrives at.
+fn quality(tools: &Tools, subject: &Subject, work: &Path, report: &mut Report) -> Result<()> {
+    let Subject { name, clean, mesh, .. } = subject;
+    let lossless = work.join(format!("{name}-lossless.front"));
+    tools.meshfront(&["build", path(&subject.source), "-o", path(&lossless), "--force", "--lossless"])?;
+    for percent in [10, 1] {
+        let mut count = mesh.triangles() * percent / 100;
+        let mut rows = Vec::new();
+        let file = |rival: &str| work.join(format!("{name}-{percent}-{rival}.ply"));
+        for rival in rivals::PYTHON.into_iter().chain(["meshopt"]) {
+            report::say(&format!("{name}: {rival} to {percent} %"));
+            let out = file(rival);
+            let simple = tools.simplify(rival, mesh, clean, &out, count)?;
+            if rival == "vtk" {
+                count = simple.triangles;
+            }
+            let distances = compare(tools, clean, &out, QUALITY_SAMPLES)?;
+            rows.push(json!({
+                "who": rival, "triangles": simple.triangles, "seconds": simple.seconds, "distances": distances
+            }));
+        }
+        for (who, front) in [("meshfront", &subject.front), ("meshfront --lossless", &lossless)] {
+            report::say(&format!("{name}: {who} to {percent} %"));
+            let out = file(&who.replace(" --", "-"));
+            let triangles = count.to_string();
+            tools.meshfront(&["extract", path(front), "-o", path(&out), "--force", "--triangles", &triangles])?;
+            let distances = compare(tools, clean, &out, QUALITY_SAMPLES)?;
+            rows.push(json!({ "who": who, "triangles": ply_triangles(&out)?, "distances": distances }));
+        }
+        // Someone else's yardstick on our own result: both must tell the same story.
+        let second = tools.python(&["distance", path(clean), path(&file("meshfront")), "500000"])?;
+        let mean = |row: &Value| number(row, "/distances/one_sided_mean");
+        let symmetric = |row: &Value| number(row, "/distances/symmetric_mean");
+        let [vtk, ours] = [0, rivals::PYTHON.len() + 1].map(|i| rows[i].clone());
+        for row in &rows {
+            report.note(
+                &format!("{name}: {percent} %, mean distance / VTK's, {}", row["who"].as_str().unwrap_or_default()),
+                &format!(
+                    "{:.3} one way, {:.3} both ways, {} triangles",
+                    mean(row)? / mean(&vtk)?,
+                    symmetric(row)? / symmetric(&vtk)?,
+                    row["triangles"]
+                ),
+            );
+        }
+        let what = format!("{name}: {percent} %, mean distance / VTK's");
+        report.at_most(&format!("{what}, one way"), mean(&ours)? / mean(&vtk)?, 1.05, "");
+        report.at_most(&format!("{what}, both ways"), symmetric(&ours)? / symmetric(&vtk)?, 1.05, "");
+        report.note(
+            &format!("{name}: {percent} %, our mean by MeshLab's yardstick / by ours"),
+            &format!("{:.3}", number(&second, "/mean")? / mean(&ours)?),
+        );
+        report.raw(name, &format!("quality_{percent}_percent"), json!({ "rows": rows, "meshlab_of_ours": second }));
+    }
+    Ok(())
+}
+
+/// Points spread over each surface where means are compared, and where a maximum is looked for.
+const QUALITY_SAMPLES: usize = 1_000_000;
+const PROMISE_SAMPLES: usize = 2_000_000;
+
+/// Twelve tolerances: how far the original really is, against what was promised.
+fn promise(tools: &Tools, subject: &Subject, work: &Path, report: &mut Report) -> Result<()> {
+    let name = &subject.name;
+    let diagonal = subject.mesh.diagonal();
+    let out = work.join(format!("{name}-promise.ply"));
+    let (mut rows, mut shares, mut broken) = (Vec::new(), Vec::new(), 0);
+    for i in 0..12 {
+        let relative = 1e-4 * 100f64.powf(f64::from(i) / 11.0);
+        report::say(&format!("{name}: promise {relative:.1e} of the diagonal"));
+        let promised = relative * diagonal;
+        let error = promised.to_string();
+        tools.meshfront(&["extract", path(&subject.front), "-o", path(&out), "--force", "--error", &error])?;
+        let distances = compare(tools, &subject.source, &out, PROMISE_SAMPLES)?;
+        let measured = number(&distances, "/one_sided_max")?;
+        broken += usize::from(measured > promised);
+        shares.push(measured / promised);
+        rows.push(json!({
+            "promised_of_diagonal": relative, "promised": promised, "measured": measured,
+            "measured_of_promised": measured / promised, "triangles": ply_triangles(&out)?
+        }));
+    }
+    report.raw(name, "promise", Value::Array(rows));
+    report.at_most(&format!("{name}: broken promises among 12"), broken as f64, 0.0, "");
+    report.at_least(&format!("{name}: measured / promised, median"), median(&mut shares), 0.4, "");
+    Ok(())
+}
+
+/// The engine's own figures, natively and in a page.
+fn fly_by(tools: &Tools, subject: &Subject, page: Option<&str>, report: &mut Report) -> Result<()> {
+    let name = &subject.name;
+    report::say(&format!("{name}: fly-by"));
+    let native = tools.meshfront_json(&["bench", path(&subject.front)])?;
+    let mean = number(&native, "/fly_by/ms/mean")?;
+    report.at_most(&format!("{name}: fly-by, mean"), mean, 0.3, "ms");
+    report.at_most(&format!("{name}: fly-by, p99"), number(&native, "/fly_by/ms/p99")?, 1.5, "ms");
+    let mut raw = json!({ "native": native });
+    if let Some(page) = page {
+        report::say(&format!("{name}: fly-by in the browser"));
+        let mut words = page.split_whitespace();
+        let program = words.next().context("--page is empty")?;
+        let browser = rivals::json_of(Command::new(program).args(words).arg(&subject.front))?;
+        let browser_mean = number(&browser, "/ms/mean")?;
+        report.at_most(&format!("{name}: fly-by in the browser / natively"), browser_mean / mean, 2.5, "×");
+        raw["browser"] = browser;
+    }
+    report.raw(name, "fly_by", raw);
+    Ok(())
+}
+
+/// One yardstick for everybody: from `original` to `simple`, and both ways; in mesh units.
+fn compare(tools: &Tools, original: &Path, simple: &Path, samples: usize) -> Result<Value> {
+    let said = tools.meshfront_json(&["compare", path(original), path(simple), "--samples", &samples.to_string()])?;
+    Ok(json!({
+        "one_sided_max": number(&said, "/a_to_b/max")?,
+        "one_sided_mean": number(&said, "/a_to_b/mean")?,
+        "symmetric_max": number(&said, "/max")?,
+        "symmetric_mean": number(&said, "/mean")?,
+    }))
+}
+
+/// Triangles that a PLY's header promises.
+fn ply_triangles(path: &Path) -> Result<usize> {
+    let bytes = std::fs::read(path)?;
+    let header = String::from_utf8_lossy(&bytes[..bytes.len().min(1000)]).into_owned();
+    let count = header.lines().find_map(|line| line.strip_prefix("element face ")).context("a PLY without faces")?;
+    Ok(count.trim().parse()?)
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    0.5 * (values[(n - 1) / 2] + values[n / 2])
+}
