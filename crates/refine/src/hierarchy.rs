@@ -66,6 +66,12 @@ pub trait MultiTessellation {
     /// The live mesh Γ_S of one front.
     type Mesh;
 
+    /// Whether `needs` and `needed_by` read the live mesh (implicit dependencies: vertex hierarchies, balance rules).
+    ///
+    /// Where this is `false` the dependencies are stored or arithmetic: `needs` visits every update that `m` needs,
+    /// `needed_by` and `children` every update that needs `m`, whatever is applied, and neither looks at the mesh.
+    const READS_MESH: bool = false;
+
     /// Number of updates; ids are `0..len`.
     fn len(&self) -> usize;
     /// Whether there is no update at all.

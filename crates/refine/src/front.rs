@@ -1,0 +1,756 @@
+//! One viewer's front, and the three strategies that move it.
+//!
+//! Based on the selective refinement of the Multi-Tessellation (De Floriani, Magillo & Puppo 1998; tutorial TH3 of
+//! Eurographics 2002: "Top-down approach", "Incremental approach", CONTRACTION and EXPANSION).
+//!
+//! Where we differ: the tutorial puts every leaf of S and every update below the front into two queues, every
+//! frame. Footprints nest, so only *open decisions* can change first: updates not applied whose needs all are, and
+//! applied ones that nothing applied needs. Each of them is filed in a calendar under the distance that the view
+//! must travel before its answer can change, so a frame looks at the few that are due.
+//!
+//! ```text
+//!          applied, needed by others          never looked at
+//!   ───────────────────────────────────────
+//!      applied, needed by none (a leaf)       open: below tolerance → coarsen
+//!   ═════════════════ the front ═══════════
+//!      all needs applied (ready)              open: above tolerance → refine
+//!   ───────────────────────────────────────
+//!          some need not applied              never looked at
+//! ```
+
+use crate::bits::Bits;
+use crate::calendar::Calendar;
+use crate::request::Timer;
+use crate::{Criterion, MultiTessellation, Outcome, Pose, Request, Step, UpdateId};
+use glam::Vec3;
+use std::cmp::{Ordering, Reverse};
+use std::collections::{BinaryHeap, HashMap};
+
+/// One viewer's state: the closed set S, the live mesh Γ_S, and scratch.
+///
+/// Apart from the mesh it holds three bits per update of the hierarchy, and for each open decision a calendar entry
+/// of 4 bytes (some 5 with slack).
+pub struct Front<H: MultiTessellation> {
+    mesh: H::Mesh,
+    applied: Bits,
+    applied_count: usize,
+    /// Open decisions. Exact where dependencies are explicit. Where they are read off the mesh an update may be
+    /// open that turns out to wait for another one when it is looked at.
+    open: Bits,
+    open_count: usize,
+    /// Updates that some queue knows of: the calendar, or `wanted`. While the budget binds: looked at in this view.
+    filed: Bits,
+    calendar: Calendar,
+    /// Open decisions to refine, worst first.
+    wanted: BinaryHeap<Ranked>,
+    /// While the budget binds: applied updates that nothing needs, cheapest first.
+    leaves: BinaryHeap<Reverse<Ranked>>,
+    /// Decisions that have just opened.
+    work: Vec<u32>,
+    /// Where dependencies are read off the mesh: who waits for the undoing of whom.
+    waiting: HashMap<u32, Vec<u32>>,
+    scratch: Vec<UpdateId>,
+    gathered: Vec<Ranked>,
+    steps: Vec<Step>,
+    sweep: Sweep,
+    pose: Option<Pose>,
+    tolerance: f32,
+    max_cells: Option<usize>,
+    /// Counts views, so that a rank knows whether it is of today.
+    view: u32,
+    /// A sphere around everything that changes.
+    center: Vec3,
+    radius: f32,
+    /// Mesh units per tick of the calendar.
+    tick: f64,
+    budget_bound: bool,
+    /// The calendar is not up to date: look at everything when the view changes.
+    stale: bool,
+    settled: bool,
+}
+
+/// A look at every open decision that is not filed, in parts.
+#[derive(Clone, Copy, Default)]
+struct Sweep {
+    word: usize,
+    words_left: usize,
+}
+
+/// A decision with what the criterion said.
+#[derive(Clone, Copy, Debug)]
+struct Ranked {
+    pixels: f32,
+    slack: f32,
+    m: u32,
+    view: u32,
+}
+impl PartialEq for Ranked {
+    fn eq(&self, other: &Ranked) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+impl Eq for Ranked {}
+impl PartialOrd for Ranked {
+    fn partial_cmp(&self, other: &Ranked) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+impl Ord for Ranked {
+    /// By pixels; among equals the coarser update is the greater one.
+    fn cmp(&self, other: &Ranked) -> Ordering {
+        self.pixels.total_cmp(&other.pixels).then(other.m.cmp(&self.m))
+    }
+}
+
+/// What one call carries about.
+struct Run {
+    tolerance: f32,
+    max_cells: usize,
+    evaluations: u32,
+    timer: Timer,
+}
+
+/// Weight of applying or undoing an update for the timer, in looks at a decision.
+const UPDATE: u32 = 8;
+
+/// The calendar's tick is this part of the radius of the whole hierarchy: a viewer may be as near as 1e-6 radii, and
+/// the longest slack is still 4096 radii.
+const TICKS_PER_RADIUS: f64 = (1u64 << 24) as f64;
+
+impl<H: MultiTessellation> Front<H> {
+    /// A front at the base mesh. Costs a bit or three per update, and the base mesh.
+    pub fn new(h: &H) -> Front<H> {
+        let (center, radius) = bounds(h);
+        let tick = radius as f64 / TICKS_PER_RADIUS;
+        let mut front = Front {
+            mesh: h.base(),
+            applied: Bits::new(h.len()),
+            applied_count: 0,
+            open: Bits::new(h.len()),
+            open_count: 0,
+            filed: Bits::new(h.len()),
+            calendar: Calendar::new(),
+            wanted: BinaryHeap::new(),
+            leaves: BinaryHeap::new(),
+            work: Vec::new(),
+            waiting: HashMap::new(),
+            scratch: Vec::new(),
+            gathered: Vec::new(),
+            steps: Vec::new(),
+            sweep: Sweep::default(),
+            pose: None,
+            tolerance: 0.0,
+            max_cells: None,
+            view: 0,
+            center,
+            radius,
+            tick: if tick.is_normal() { tick } else { 1.0 },
+            budget_bound: false,
+            stale: false,
+            settled: false,
+        };
+        front.open_roots(h);
+        front
+    }
+
+    /// Back to the base mesh. The steps of the next call count from there.
+    pub fn reset(&mut self, h: &H) {
+        self.mesh = h.base();
+        self.steps.clear();
+        self.applied.clear();
+        self.applied_count = 0;
+        self.open.clear();
+        self.open_count = 0;
+        self.work.clear();
+        self.waiting.clear();
+        self.pose = None;
+        self.budget_bound = false;
+        self.open_roots(h);
+    }
+
+    fn open_roots(&mut self, h: &H) {
+        h.roots(|m| {
+            self.open_count += self.open.insert(m.0) as usize;
+        });
+        self.look_at_all();
+    }
+
+    /// The live mesh Γ_S.
+    pub fn mesh(&self) -> &H::Mesh {
+        &self.mesh
+    }
+    /// The live mesh, to clear its record of changes. What the hierarchy reads must stay as it is.
+    pub fn mesh_mut(&mut self) -> &mut H::Mesh {
+        &mut self.mesh
+    }
+    /// Whether an update is in S.
+    pub fn is_applied(&self, m: UpdateId) -> bool {
+        self.applied.has(m.0)
+    }
+    /// Number of updates in S.
+    pub fn applied_count(&self) -> usize {
+        self.applied_count
+    }
+    /// The updates in S, in order of id; a legal order to apply them in.
+    pub fn applied(&self) -> impl Iterator<Item = UpdateId> + '_ {
+        self.applied.iter().map(UpdateId)
+    }
+    /// What the last call of a strategy did, in order. After `top_down` and `interruptible`: from the base mesh.
+    pub fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+    /// Heap memory of everything but the mesh, in bytes.
+    pub fn memory(&self) -> usize {
+        (self.applied.words().len() * 3) * 8
+            + self.calendar.memory()
+            + (self.wanted.capacity() + self.leaves.capacity() + self.gathered.capacity()) * size_of::<Ranked>()
+            + (self.work.capacity() + self.scratch.capacity()) * 4
+            + self.steps.capacity() * size_of::<Step>()
+    }
+
+    /// The greatest `pixels` of an update that is not applied. Asks about every open decision: some milliseconds
+    /// for a hundred thousand. Exact where footprints nest.
+    pub fn measure<C: Criterion + ?Sized>(&self, h: &H, c: &C) -> f32 {
+        let ready = self.open.iter().filter(|&m| !self.applied.has(m));
+        ready.map(|m| c.pixels(&h.footprint(UpdateId(m)))).fold(0.0, f32::max)
+    }
+
+    /// Incremental: from the front as it is to the front of this view, contraction and then expansion.
+    ///
+    /// Costs in proportion to the decisions that come due and the updates that change. Nothing, if the view is that
+    /// of the last call. A tolerance, or a setting of the criterion, other than in the last call makes every open
+    /// decision due.
+    ///
+    /// *Deadline*: the call returns once its time is up, between two updates, with a legal front; half of the time
+    /// at least goes into refinement, worst first. What is left over goes on in the next call.
+    ///
+    /// *Budget*: no update is applied that would take the front over `max_cells`. While the budget keeps the
+    /// front from the tolerance, the least wrong leaves make room for the worst decisions, where that strictly
+    /// improves; this needs a rank for every open decision, so each new view then looks at all of them. After the
+    /// budget was lowered, a front without a deadline is within it at once; with one, in the course of calls.
+    pub fn adapt<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, r: &Request) -> Outcome {
+        self.steps.clear();
+        let mut run = self.arrive(c, r);
+        let moved = self.enter(c.pose(), run.tolerance);
+        if self.settled && moved == Some(0) && self.max_cells == r.max_cells {
+            return self.report(h, &run);
+        }
+        self.settled = false;
+        let budget_changed = std::mem::replace(&mut self.max_cells, r.max_cells) != r.max_cells;
+        if self.stale || moved.is_none() || (self.budget_bound && (moved != Some(0) || budget_changed)) {
+            self.budget_bound &= r.max_cells.is_some();
+            self.look_at_all();
+        } else if let Some(ticks) = moved {
+            self.calendar.advance(ticks);
+        }
+        if h.cells(&self.mesh) > run.max_cells && !self.budget_bound {
+            self.bind();
+        }
+        loop {
+            self.contract(h, c, &mut run);
+            if run.timer.out() {
+                break;
+            }
+            let exhausted = if self.budget_bound { self.balance(h, c, &mut run) } else { self.expand(h, c, &mut run) };
+            if run.timer.out() {
+                break;
+            }
+            if exhausted && self.is_idle() {
+                self.settled = true;
+                break;
+            }
+        }
+        if self.settled && self.budget_bound && self.wanted.is_empty() {
+            // Some room is asked for before the calendar takes over again: filling it costs a look at everything.
+            let cells = h.cells(&self.mesh);
+            if cells <= run.max_cells - run.max_cells / 10 {
+                self.budget_bound = false;
+                self.stale = true;
+            }
+        }
+        self.report(h, &run)
+    }
+
+    /// Top-down: from the base mesh, depth first. The quickest way to a front that has little in common with the
+    /// present one. Stops at a deadline or budget without regard to what is worst; `adapt` goes on from there.
+    pub fn top_down<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, r: &Request) -> Outcome {
+        self.reset(h);
+        let mut run = self.arrive(c, r);
+        self.enter(c.pose(), run.tolerance);
+        self.max_cells = r.max_cells;
+        self.settled = false;
+        self.sweep.words_left = 0;
+        self.work.extend(self.open.iter());
+        while let Some(m) = self.work.pop() {
+            if self.filed.has(m) || !self.open.has(m) {
+                continue;
+            }
+            if H::READS_MESH && self.waits(h, m) {
+                continue;
+            }
+            let rank = self.rank(h, c, m, &mut run);
+            if rank.pixels <= run.tolerance || self.applied.has(m) {
+                self.file(rank);
+                run.timer.spend(1);
+            } else if self.apply(h, m, run.max_cells) {
+                self.file(rank);
+                run.timer.spend(UPDATE);
+            } else {
+                self.filed.insert(m);
+                self.wanted.push(rank);
+                break;
+            }
+            if run.timer.out() {
+                break;
+            }
+        }
+        self.settled = self.is_idle();
+        self.report(h, &run)
+    }
+
+    /// Interruptible: from the base mesh, worst first, so that whenever a deadline or the budget stops it the front
+    /// is the best of its size. `adapt` goes on from there.
+    pub fn interruptible<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, r: &Request) -> Outcome {
+        self.reset(h);
+        self.adapt(h, c, r)
+    }
+
+    fn arrive<C: Criterion + ?Sized>(&self, _: &C, r: &Request) -> Run {
+        Run {
+            tolerance: if r.tolerance > 0.0 { r.tolerance } else { 0.0 },
+            max_cells: r.max_cells.unwrap_or(usize::MAX),
+            evaluations: 0,
+            timer: Timer::start(r),
+        }
+    }
+
+    /// Takes note of the view: how many ticks it travelled, `None` if all answers are void.
+    fn enter(&mut self, pose: Pose, tolerance: f32) -> Option<u64> {
+        let travel = match &self.pose {
+            Some(before) if self.tolerance == tolerance => pose.travel(before, self.center, self.radius),
+            _ => None,
+        };
+        let ticks = travel.map(|t| (t / self.tick).ceil().min(1e15) as u64);
+        if ticks != Some(0) {
+            self.view = self.view.wrapping_add(1);
+            self.pose = Some(pose);
+            self.tolerance = tolerance;
+        }
+        ticks
+    }
+
+    fn report(&self, h: &H, run: &Run) -> Outcome {
+        let refined = self.steps.iter().filter(|s| matches!(s, Step::Refine(_))).count() as u32;
+        let worst = self.wanted.peek().map_or(0.0, |w| w.pixels);
+        Outcome {
+            refined,
+            coarsened: self.steps.len() as u32 - refined,
+            evaluations: run.evaluations,
+            open: self.open_count as u32,
+            cells: h.cells(&self.mesh),
+            settled: self.settled,
+            budget_bound: self.budget_bound,
+            error_px: if self.applied_count == h.len() { 0.0 } else { worst.max(run.tolerance) },
+        }
+    }
+
+    fn is_idle(&self) -> bool {
+        self.no_decisions() && (self.wanted.is_empty() || self.budget_bound)
+    }
+    fn no_decisions(&self) -> bool {
+        self.work.is_empty() && !self.calendar.has_due() && self.sweep.words_left == 0
+    }
+
+    /// Makes every open decision due.
+    fn look_at_all(&mut self) {
+        self.calendar.clear();
+        self.filed.clear();
+        self.wanted.clear();
+        self.leaves.clear();
+        // From where the last sweep stopped: no decision starves however often the settings change.
+        self.sweep.words_left = self.open.words().len();
+        self.stale = false;
+        self.settled = false;
+    }
+
+    /// From now on every open decision has a rank.
+    fn bind(&mut self) {
+        self.budget_bound = true;
+        self.look_at_all();
+    }
+
+    /// The next decision to look at.
+    fn next_decision(&mut self) -> Option<u32> {
+        while let Some(m) = self.work.pop() {
+            if self.open.has(m) && (H::READS_MESH || !self.filed.has(m)) {
+                return Some(m);
+            }
+        }
+        while let Some(m) = self.calendar.take_due() {
+            self.filed.remove(m);
+            if self.open.has(m) {
+                return Some(m);
+            }
+        }
+        while self.sweep.words_left > 0 {
+            let w = self.sweep.word;
+            let bits = self.open.words()[w] & !self.filed.words()[w];
+            if bits != 0 {
+                return Some(w as u32 * 64 + bits.trailing_zeros());
+            }
+            self.sweep.word = (w + 1) % self.open.words().len();
+            self.sweep.words_left -= 1;
+        }
+        None
+    }
+
+    /// Looks at what is due: undoes the leaves that are not wanted, ranks the decisions that are.
+    fn contract<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, run: &mut Run) {
+        let phase = run.timer.phase(0.5);
+        let limit = run.timer.set_limit(phase);
+        while let Some(m) = self.next_decision() {
+            let steps = self.steps.len();
+            self.decide(h, c, m, run);
+            if run.timer.spend(if self.steps.len() > steps { UPDATE } else { 1 }) {
+                break;
+            }
+        }
+        run.timer.set_limit(limit);
+    }
+
+    /// Applies what is wanted, worst first. `false` where the budget is in the way.
+    fn expand<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, run: &mut Run) -> bool {
+        while let Some(mut top) = self.wanted.pop() {
+            self.filed.remove(top.m);
+            if !self.open.has(top.m) || self.applied.has(top.m) {
+                self.decide(h, c, top.m, run);
+                continue;
+            }
+            if top.view != self.view {
+                top = self.rank(h, c, top.m, run);
+                if top.pixels <= run.tolerance {
+                    self.file(top);
+                    run.timer.spend(1);
+                    continue;
+                }
+            }
+            if !self.apply(h, top.m, run.max_cells) {
+                self.filed.insert(top.m);
+                self.wanted.push(top);
+                if self.no_decisions() {
+                    self.bind();
+                }
+                return false;
+            }
+            self.file(top);
+            self.drain_work(h, c, run);
+            if run.timer.spend(UPDATE) {
+                break;
+            }
+        }
+        true
+    }
+
+    /// Brings the front within the budget, and spends it on the worst decisions.
+    fn balance<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, run: &mut Run) -> bool {
+        while h.cells(&self.mesh) > run.max_cells {
+            let Some(leaf) = self.cheapest(h, c, run) else { break };
+            self.undo(h, leaf.m);
+            self.wanted.push(leaf);
+            self.drain_work(h, c, run);
+            if run.timer.spend(UPDATE) {
+                return false;
+            }
+        }
+        while let Some(top) = self.worst(h, c, run) {
+            let cells = h.cells(&self.mesh) + h.cells_added(UpdateId(top.m));
+            if cells > run.max_cells {
+                let mut gathered = std::mem::take(&mut self.gathered);
+                let mut freed = 0;
+                while cells - freed > run.max_cells {
+                    match self.cheapest(h, c, run) {
+                        Some(leaf) if leaf.pixels < top.pixels => {
+                            freed += h.cells_added(UpdateId(leaf.m)).min(cells - freed);
+                            gathered.push(leaf);
+                        }
+                        Some(leaf) => {
+                            self.leaves.push(Reverse(leaf));
+                            break;
+                        }
+                        None => break,
+                    }
+                }
+                let enough = cells - freed <= run.max_cells;
+                for leaf in gathered.drain(..) {
+                    if enough && self.is_leaf(h, leaf.m) {
+                        self.undo(h, leaf.m);
+                        self.wanted.push(leaf);
+                    } else {
+                        self.leaves.push(Reverse(leaf));
+                    }
+                }
+                self.gathered = gathered;
+                if !enough {
+                    self.wanted.push(top);
+                    return true;
+                }
+            }
+            if self.open.has(top.m) && self.apply(h, top.m, run.max_cells) {
+                self.leaves.push(Reverse(top));
+            }
+            self.drain_work(h, c, run);
+            if run.timer.spend(2 * UPDATE) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Takes the least wrong leaf, ranked in this view.
+    fn cheapest<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, run: &mut Run) -> Option<Ranked> {
+        while let Some(Reverse(leaf)) = self.leaves.pop() {
+            if !self.is_leaf(h, leaf.m) {
+                self.filed.remove(leaf.m);
+                if H::READS_MESH {
+                    self.work.push(leaf.m);
+                }
+            } else if leaf.view == self.view {
+                return Some(leaf);
+            } else {
+                let leaf = self.rank(h, c, leaf.m, run);
+                self.leaves.push(Reverse(leaf));
+            }
+        }
+        None
+    }
+
+    /// Takes the worst decision, ranked in this view.
+    fn worst<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, run: &mut Run) -> Option<Ranked> {
+        while let Some(top) = self.wanted.pop() {
+            if !self.open.has(top.m) || self.applied.has(top.m) {
+                self.filed.remove(top.m);
+            } else if top.view == self.view {
+                return Some(top);
+            } else {
+                let top = self.rank(h, c, top.m, run);
+                if top.pixels > run.tolerance {
+                    self.wanted.push(top);
+                }
+            }
+        }
+        None
+    }
+
+    fn is_leaf(&self, h: &H, m: u32) -> bool {
+        let mut leaf = self.open.has(m) && self.applied.has(m);
+        if H::READS_MESH && leaf {
+            h.needed_by(&self.mesh, UpdateId(m), |n| leaf &= !self.applied.has(n.0));
+        }
+        leaf
+    }
+
+    fn drain_work<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, run: &mut Run) {
+        while let Some(m) = self.work.pop() {
+            if H::READS_MESH || !self.filed.has(m) {
+                self.decide(h, c, m, run);
+            }
+        }
+    }
+
+    #[inline]
+    fn rank<C: Criterion + ?Sized>(&self, h: &H, c: &C, m: u32, run: &mut Run) -> Ranked {
+        run.evaluations += 1;
+        let (pixels, slack) = c.score(&h.footprint(UpdateId(m)), run.tolerance);
+        Ranked { pixels, slack, m, view: self.view }
+    }
+
+    /// The calendar has it from here.
+    #[inline]
+    fn file(&mut self, rank: Ranked) {
+        if self.filed.insert(rank.m) {
+            self.calendar.file(rank.m, (rank.slack as f64 / self.tick) as u64);
+        }
+    }
+
+    /// Looks at a decision.
+    #[inline]
+    fn decide<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, m: u32, run: &mut Run) {
+        if !self.open.has(m) || (H::READS_MESH && self.waits(h, m)) {
+            return;
+        }
+        let rank = self.rank(h, c, m, run);
+        match (self.applied.has(m), rank.pixels > run.tolerance) {
+            (false, true) => {
+                self.filed.insert(m);
+                self.wanted.push(rank);
+            }
+            (true, true) if self.budget_bound => {
+                self.filed.insert(m);
+                self.leaves.push(Reverse(rank));
+            }
+            (applied, wanted) => {
+                if applied && !wanted {
+                    self.undo(h, m);
+                }
+                if self.budget_bound {
+                    self.filed.insert(m);
+                } else {
+                    self.file(rank);
+                }
+            }
+        }
+    }
+
+    /// Where dependencies are read off the mesh: whether another update must come first. Then the decision is not
+    /// open, and opens again when that other update is undone or applied.
+    fn waits(&mut self, h: &H, m: u32) -> bool {
+        let mut blocker = None;
+        if self.applied.has(m) {
+            h.needed_by(&self.mesh, UpdateId(m), |n| {
+                if blocker.is_none() && self.applied.has(n.0) {
+                    blocker = Some(n.0);
+                }
+            });
+            if let Some(n) = blocker {
+                self.waiting.entry(n).or_default().push(m);
+            }
+        } else {
+            // Only one that announces its children will call again; nesting says that it is wanted if `m` is.
+            h.needs(&self.mesh, UpdateId(m), |n| {
+                if blocker.is_none() && !self.applied.has(n.0) {
+                    h.children(n, |child| {
+                        if child.0 == m {
+                            blocker = Some(n.0);
+                        }
+                    });
+                }
+            });
+        }
+        if blocker.is_some() {
+            self.close(m);
+        }
+        blocker.is_some()
+    }
+
+    /// Applies `m` and all that it needs; `false`, and nothing done, where the budget does not allow it.
+    fn apply(&mut self, h: &H, m: u32, max_cells: usize) -> bool {
+        let room = |front: &Self, m| h.cells(&front.mesh).saturating_add(h.cells_added(m)) <= max_cells;
+        if !H::READS_MESH {
+            let m = UpdateId(m);
+            if max_cells != usize::MAX && !room(self, m) {
+                return false;
+            }
+            self.refine(h, m);
+            return true;
+        }
+        let first = self.steps.len();
+        let mut stack = vec![UpdateId(m)];
+        while let Some(&top) = stack.last() {
+            if self.applied.has(top.0) {
+                stack.pop();
+                continue;
+            }
+            let before = stack.len();
+            h.needs(&self.mesh, top, |n| {
+                if !self.applied.has(n.0) {
+                    stack.push(n);
+                }
+            });
+            if stack.len() == before {
+                if !room(self, top) {
+                    while self.steps.len() > first {
+                        let Some(Step::Refine(last)) = self.steps.pop() else { unreachable!("only refined since") };
+                        self.undo(h, last.0);
+                        self.steps.pop();
+                    }
+                    return false;
+                }
+                self.refine(h, top);
+                if top.0 != m {
+                    // Nobody asked whether it is wanted for itself.
+                    self.work.push(top.0);
+                }
+                stack.pop();
+            }
+        }
+        true
+    }
+
+    fn open(&mut self, m: u32) {
+        self.open_count += self.open.insert(m) as usize;
+    }
+    fn close(&mut self, m: u32) {
+        self.open_count -= self.open.remove(m) as usize;
+    }
+
+    /// Applies a legal update, and opens and closes decisions around it.
+    fn refine(&mut self, h: &H, m: UpdateId) {
+        h.refine(&mut self.mesh, m);
+        self.applied.insert(m.0);
+        self.applied_count += 1;
+        self.steps.push(Step::Refine(m));
+        self.open(m.0);
+        if !H::READS_MESH {
+            let Front { open, open_count, mesh, .. } = self;
+            h.needs(mesh, m, |n| *open_count -= open.remove(n.0) as usize);
+        }
+        let Front { open, open_count, applied, filed, work, mesh, .. } = self;
+        h.children(m, |child| {
+            let mut ready = !applied.has(child.0);
+            if !H::READS_MESH && ready {
+                h.needs(mesh, child, |n| ready &= applied.has(n.0));
+            }
+            if ready {
+                *open_count += open.insert(child.0) as usize;
+                if !filed.has(child.0) {
+                    work.push(child.0);
+                }
+            }
+        });
+    }
+
+    /// Undoes a leaf, and opens and closes decisions around it.
+    fn undo(&mut self, h: &H, m: u32) {
+        let m = UpdateId(m);
+        h.coarsen(&mut self.mesh, m);
+        self.applied.remove(m.0);
+        self.applied_count -= 1;
+        self.steps.push(Step::Coarsen(m));
+        self.open(m.0);
+        if H::READS_MESH {
+            for waiting in self.waiting.remove(&m.0).unwrap_or_default() {
+                if self.applied.has(waiting) {
+                    self.open(waiting);
+                    self.work.push(waiting);
+                }
+            }
+            return;
+        }
+        let Front { open, open_count, applied, filed, work, mesh, .. } = self;
+        h.children(m, |child| *open_count -= open.remove(child.0) as usize);
+        h.needs(mesh, m, |n| {
+            let mut leaf = true;
+            h.children(n, |child| leaf &= !applied.has(child.0));
+            if leaf {
+                *open_count += open.insert(n.0) as usize;
+                if !filed.has(n.0) {
+                    work.push(n.0);
+                }
+            }
+        });
+    }
+}
+
+/// A sphere around all footprints.
+fn bounds<H: MultiTessellation>(h: &H) -> (Vec3, f32) {
+    let mut roots = Vec::new();
+    h.roots(|m| {
+        let f = h.footprint(m);
+        roots.push((f.center, f.radius));
+    });
+    let (low, high) =
+        roots.iter().fold((Vec3::MAX, Vec3::MIN), |(low, high), &(c, r)| (low.min(c - r), high.max(c + r)));
+    let center = if roots.is_empty() { Vec3::ZERO } else { low + (high - low) / 2.0 };
+    let radius = roots.iter().map(|&(c, r)| c.distance(center) + r).fold(0.0, f32::max);
+    (center, radius * 1.0001)
+}
