@@ -23,10 +23,12 @@ use meshfront_refine::{Footprint, MultiTessellation, UpdateId};
 
 mod columns;
 mod derive;
+mod encode;
 mod footprint;
 mod front_mesh;
 
-pub use columns::{AddedTriangle, Columns, ExplicitSplit, Grid, InvalidColumns, Oct, SourceCounts};
+pub use columns::{AddedTriangle, Columns, ExplicitSplit, Grid, InvalidColumns, Oct, SourceCounts, round_error_up};
+pub use encode::{EncodedSplit, StarTriangle, encode_split};
 pub use front_mesh::FrontMesh;
 
 use footprint::{Frame, PackedFootprint};

@@ -1,1 +1,50 @@
-//! From a source mesh to a multiresolution hierarchy
+//! From a source mesh to a multiresolution hierarchy: one module per model, costs in [`metrics`].
+
+pub mod edge_collapse;
+pub mod metrics;
+
+pub use edge_collapse::{EdgeCollapseOptions, edge_collapse};
+
+/// Who wants to know how far a build is, and may stop it.
+pub trait Progress: Sync {
+    /// A phase starts; it counts up to `total` of `unit`.
+    fn phase(&self, name: &'static str, unit: &'static str, total: u64);
+    /// `done` of the phase's total are done.
+    fn at(&self, done: u64);
+    /// Whether to give up; the build then returns [`BuildError::Cancelled`].
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// Nobody wants to know.
+impl Progress for () {
+    fn phase(&self, _: &'static str, _: &'static str, _: u64) {}
+    fn at(&self, _: u64) {}
+}
+
+/// Why no hierarchy was built.
+#[derive(Debug, thiserror::Error)]
+pub enum BuildError {
+    /// There is nothing to draw.
+    #[error("the mesh has no triangles; a hierarchy needs at least one")]
+    Empty,
+    /// A coordinate is NaN or infinite.
+    #[error("vertex {0} has a coordinate that is not a finite number; clean the mesh first")]
+    NotFinite(u32),
+    /// A triangle names a vertex that does not exist, or one vertex twice.
+    #[error("triangle {0} names a vertex that does not exist, or the same vertex twice; clean the mesh first")]
+    BadTriangle(u32),
+    /// Bits outside of 10 to 24.
+    #[error("{0} bits per coordinate: choose 10 to 24, or lossless")]
+    Bits(u32),
+    /// More vertices or triangles than 32-bit ids leave room for.
+    #[error("{0} triangles: at most 2^27 fit into one hierarchy; split the mesh")]
+    TooLarge(usize),
+    /// The caller asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+    /// The record of collapses does not replay: a bug in the simplifier.
+    #[error("internal: the recorded collapses do not replay ({0}); please report this with the mesh")]
+    Replay(#[from] meshfront_hierarchies::edge_collapse::InvalidColumns),
+}

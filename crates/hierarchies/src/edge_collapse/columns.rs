@@ -171,3 +171,10 @@ pub enum InvalidColumns {
         reason: &'static str,
     },
 }
+
+/// Rounds an error up to the numbers that a file holds: sixteen to an octave. Idempotent and monotone.
+pub fn round_error_up(error: f32) -> f32 {
+    // An f32 with 4 bits of mantissa. The carry into the exponent is what rounding up across an octave means.
+    let bits = error.to_bits();
+    f32::from_bits((bits + ((1 << 19) - 1)) & !((1 << 19) - 1))
+}

@@ -1,0 +1,3 @@
+//! What a collapse costs.
+
+pub mod quadric;
