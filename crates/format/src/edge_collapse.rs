@@ -188,6 +188,9 @@ fn check(columns: &Columns) -> Result<(), EncodeError> {
     if base.triangles.iter().flatten().any(|v| v.ix() >= base_count) {
         return Err(InvalidColumns::Base("a triangle names a vertex that does not exist").into());
     }
+    if base.vertex.normals.iter().any(|n| !n.is_finite()) {
+        return Err(InvalidColumns::Base("a normal is not finite").into());
+    }
     let invalid = |m: usize, reason| InvalidColumns::Update { update: m as u32, reason };
     let mut listed = explicit.iter().peekable();
     for m in 0..updates {
@@ -441,7 +444,7 @@ fn decode_base_normals(section: Section, count: usize) -> Result<Vec<Vec3>, Faul
     let mut decoder = Decoder::new(section.bytes);
     let mut models = int_models::<3>();
     let mut bits = [0u32; 3];
-    let normals = (0..count)
+    let normals: Vec<Vec3> = (0..count)
         .map(|_| {
             for axis in 0..3 {
                 bits[axis] = bits[axis].wrapping_add(decode_int(&mut decoder, &mut models[axis]).0 as u32);
@@ -449,7 +452,13 @@ fn decode_base_normals(section: Section, count: usize) -> Result<Vec<Vec3>, Faul
             Vec3::from_array(bits.map(of_ordered_bits))
         })
         .collect();
-    if decoder.finish() { Ok(normals) } else { Err(section.fault(0, "normals do not end where their stream does")) }
+    if !decoder.finish() {
+        return Err(section.fault(0, "normals do not end where their stream does"));
+    }
+    if normals.iter().any(|n| !n.is_finite()) {
+        return Err(section.fault(0, "a normal is not finite"));
+    }
+    Ok(normals)
 }
 
 fn decode_base_colors(section: Section, count: usize) -> Result<Vec<[u8; 4]>, Fault> {

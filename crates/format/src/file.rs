@@ -67,7 +67,7 @@ pub fn write(path: impl AsRef<Path>, hierarchy: &EdgeCollapse, options: &WriteOp
     if !options.overwrite && path.symlink_metadata().is_ok() {
         return Err(exists());
     }
-    let bytes = crate::encode(hierarchy.columns())?;
+    let bytes = crate::encode(&hierarchy.columns())?;
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

@@ -37,22 +37,16 @@ impl PositionModels {
     }
 }
 
-/// The models of the sides column: three nibbles, each known by the one before, and what is above them.
+/// The models of the sides column: two nibbles and what is above them, each by the one before.
 struct SidesModels {
     low: Model<16>,
     mid: Vec<Model<16>>,
     high: Vec<Model<16>>,
-    rest: IntModel,
 }
 
 impl SidesModels {
     fn new() -> Self {
-        SidesModels {
-            low: Model::new(),
-            mid: vec![Model::new(); 16],
-            high: vec![Model::new(); 16],
-            rest: IntModel::new(),
-        }
+        SidesModels { low: Model::new(), mid: vec![Model::new(); 16], high: vec![Model::new(); 16] }
     }
 }
 
@@ -154,15 +148,20 @@ fn decode_vertex(stream: Section, vertex: &mut [VertexId]) -> Result<(), Fault> 
     ended(decoder, stream)
 }
 
+/// Of the bits above two nibbles: more than what a symbol can say, so that they follow as they are.
+const ESCAPE: usize = 15;
+
 #[cfg(feature = "write")]
 fn encode_sides(sides: &[u32]) -> Vec<u8> {
     let (mut encoder, mut models) = (Encoder::default(), SidesModels::new());
     for mask in sides {
-        let [low, mid, high] = [0, 4, 8].map(|shift| (mask >> shift & 15) as usize);
+        let (low, mid, high) = ((mask & 15) as usize, (mask >> 4 & 15) as usize, (mask >> 8) as usize);
         encoder.symbol(&mut models.low, low);
         encoder.symbol(&mut models.mid[low], mid);
-        encoder.symbol(&mut models.high[mid], high);
-        encode_int(&mut encoder, &mut models.rest, (mask >> 12) as i32);
+        encoder.symbol(&mut models.high[mid], high.min(ESCAPE));
+        if high >= ESCAPE {
+            encoder.raw(mask >> 8, 24);
+        }
     }
     encoder.finish()
 }
@@ -172,40 +171,67 @@ fn decode_sides(stream: Section, sides: &mut [u32]) -> Result<(), Fault> {
     for mask in sides {
         let low = decoder.symbol(&mut models.low);
         let mid = decoder.symbol(&mut models.mid[low]);
-        let high = decoder.symbol(&mut models.high[mid]);
-        let (rest, _) = decode_int(&mut decoder, &mut models.rest);
-        *mask = low as u32 | (mid as u32) << 4 | (high as u32) << 8 | (rest as u32) << 12;
+        let mut high = decoder.symbol(&mut models.high[mid]) as u32;
+        if high == ESCAPE as u32 {
+            high = decoder.raw(24);
+        }
+        *mask = low as u32 | (mid as u32) << 4 | high << 8;
     }
     ended(decoder, stream)
 }
 
+/// Bytes of a run of updates whose errors share an octave: the octave, and how many.
+const RUN: usize = 4;
+/// Exponent of infinities and NaN.
+const NOT_FINITE: u32 = 255;
+
+/// Octave of an error: the exponent bits. What is below are its sixteenths.
+#[cfg(feature = "write")]
+fn octave_of(error: f32) -> u32 {
+    error.to_bits() >> 23
+}
+
+/// Runs, the sixteenths.
 #[cfg(feature = "write")]
 fn encode_errors(errors: &[f32]) -> Vec<u8> {
-    let (mut encoder, mut before) = (Encoder::default(), 0);
-    let (mut octaves, mut sixteenths) = (IntModel::new(), Model::<16>::new());
-    for error in errors {
-        let bits = error.to_bits() >> ERROR_SHIFT;
-        let (octave, sixteenth) = (bits >> 4, bits & 15);
-        encode_int(&mut encoder, &mut octaves, octave.wrapping_sub(before) as i32);
-        encoder.symbol(&mut sixteenths, sixteenth as usize);
-        before = octave;
+    let runs: Vec<_> = errors.chunk_by(|&a, &b| octave_of(a) == octave_of(b)).collect();
+    let mut bytes = (runs.len() as u32).to_le_bytes().to_vec();
+    for run in runs {
+        bytes.extend_from_slice(&((run.len() as u32) << 8 | octave_of(run[0])).to_le_bytes());
     }
-    encoder.finish()
+    let (mut encoder, mut sixteenths) = (Encoder::default(), Model::<16>::new());
+    for error in errors {
+        encoder.symbol(&mut sixteenths, (error.to_bits() >> ERROR_SHIFT & 15) as usize);
+    }
+    bytes.extend_from_slice(&encoder.finish());
+    bytes
 }
 
 fn decode_errors(stream: Section, errors: &mut [f32]) -> Result<(), Fault> {
-    let (mut decoder, mut octave) = (Decoder::new(stream.bytes), 0u32);
-    let (mut octaves, mut sixteenths) = (IntModel::new(), Model::<16>::new());
-    let mut finite = true;
-    for error in errors {
-        octave = octave.wrapping_add(decode_int(&mut decoder, &mut octaves).0 as u32);
-        let sixteenth = decoder.symbol(&mut sixteenths) as u32;
-        // Exponents 0..255 of positive floats; 255 is infinity and NaN.
-        finite &= octave < 255;
-        *error = f32::from_bits((octave & 255) << 23 | sixteenth << ERROR_SHIFT);
+    let Some((count, rest)) = stream.bytes.split_first_chunk::<4>() else {
+        return Err(stream.fault(0, "octaves are missing"));
+    };
+    let count = u32::from_le_bytes(*count) as usize;
+    if count > rest.len() / RUN {
+        return Err(stream.fault(0, "octaves are missing"));
     }
-    if !finite {
-        return Err(stream.fault(0, "an error is negative or not finite"));
+    let (runs, sixteenths) = rest.split_at(RUN * count);
+    let mut at = 0;
+    for run in 0..count {
+        let number = u32_at(runs, RUN * run);
+        let (octave, length) = (number & 255, number as usize >> 8);
+        if octave == NOT_FINITE || length > errors.len() - at {
+            return Err(stream.fault(RUN * run, "an error is not finite, or has no update"));
+        }
+        errors[at..at + length].fill(f32::from_bits(octave << 23));
+        at += length;
+    }
+    if at != errors.len() {
+        return Err(stream.fault(0, "an update has no error"));
+    }
+    let (mut decoder, mut model) = (Decoder::new(sixteenths), Model::<16>::new());
+    for error in errors {
+        *error = f32::from_bits(error.to_bits() | (decoder.symbol(&mut model) as u32) << ERROR_SHIFT);
     }
     ended(decoder, stream)
 }
@@ -272,8 +298,8 @@ fn decode_explicit(stream: Section, first: usize, sides: &[u32]) -> Result<Vec<E
         let at = stream.bytes.len() - rest.len();
         let (&count, after) = rest.split_first().ok_or(stream.fault(at, "explicit splits are missing"))?;
         let added = after.get(..count as usize).ok_or(stream.fault(at, "an explicit split is cut off"))?;
-        if added.iter().any(|&t| t & !(STAR | BEFORE | FLIPPED) != 0) {
-            return Err(stream.fault(at, "an added triangle has an unknown bit"));
+        if added.iter().any(|&t| t & !(STAR | BEFORE | FLIPPED) != 0 || (t & STAR) as usize >= Columns::MAX_STAR) {
+            return Err(stream.fault(at, "an added triangle is outside of the largest star"));
         }
         rest = &after[count as usize..];
         explicit.push(ExplicitSplit {

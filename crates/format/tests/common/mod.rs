@@ -2,6 +2,8 @@
 //! applied.
 #![allow(dead_code)]
 
+pub mod checksums;
+
 use glam::Vec3;
 use meshfront_format::round_error_up;
 use meshfront_hierarchies::edge_collapse::{AddedTriangle, Columns, ExplicitSplit, Grid, Oct, SourceCounts};
@@ -73,7 +75,7 @@ pub fn plausible(shape: Shape, seed: u64) -> Columns {
             columns.vertex.push(VertexId(s));
             let star = 5 + random.below(4);
             columns.sides.push((random.below(1 << star) & !1) as u32);
-            let error = edge * edge * (1.0 + random.unit());
+            let error = (edge * edge).log2().floor().exp2() * (1.0 + 0.9 * random.unit());
             columns.errors.push(round_error_up(error));
             for child in [middle - tangent * 0.5, middle + tangent * 0.5] {
                 next.push(points.len() as u32);
