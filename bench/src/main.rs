@@ -31,9 +31,12 @@ struct Arguments {
     /// bench/rivals.py
     #[arg(long)]
     rivals: PathBuf,
-    /// Runs the fly-by in a page: a command line that gets the .front file as its last argument and prints JSON
+    /// xtask/page.mjs, which flies in a page
     #[arg(long)]
-    page: Option<String>,
+    page: PathBuf,
+    /// The browser that it starts
+    #[arg(long)]
+    chromium: PathBuf,
     /// Where intermediate meshes go
     #[arg(long)]
     work: PathBuf,
@@ -92,7 +95,7 @@ fn main() -> Result<()> {
             promise(&tools, &subject, &arguments.work, &mut report)?;
         }
         if measures(Part::Flyby) {
-            fly_by(&tools, &subject, arguments.page.as_deref(), &mut report)?;
+            fly_by(&tools, &subject, &arguments, &mut report)?;
         }
     }
     let date = humantime::format_rfc3339_seconds(SystemTime::now()).to_string();
@@ -231,24 +234,20 @@ fn promise(tools: &Tools, subject: &Subject, work: &Path, report: &mut Report) -
 }
 
 /// The engine's own figures, natively and in a page.
-fn fly_by(tools: &Tools, subject: &Subject, page: Option<&str>, report: &mut Report) -> Result<()> {
+fn fly_by(tools: &Tools, subject: &Subject, arguments: &Arguments, report: &mut Report) -> Result<()> {
     let name = &subject.name;
     report::say(&format!("{name}: fly-by"));
     let native = tools.meshfront_json(&["bench", path(&subject.front)])?;
     let mean = number(&native, "/fly_by/ms/mean")?;
     report.at_most(&format!("{name}: fly-by, mean"), mean, 0.3, "ms");
     report.at_most(&format!("{name}: fly-by, p99"), number(&native, "/fly_by/ms/p99")?, 1.5, "ms");
-    let mut raw = json!({ "native": native });
-    if let Some(page) = page {
-        report::say(&format!("{name}: fly-by in the browser"));
-        let mut words = page.split_whitespace();
-        let program = words.next().context("--page is empty")?;
-        let browser = rivals::json_of(Command::new(program).args(words).arg(&subject.front))?;
-        let browser_mean = number(&browser, "/ms/mean")?;
-        report.at_most(&format!("{name}: fly-by in the browser / natively"), browser_mean / mean, 2.5, "×");
-        raw["browser"] = browser;
-    }
-    report.raw(name, "fly_by", raw);
+    report::say(&format!("{name}: fly-by in the browser"));
+    let mut page = Command::new("node");
+    page.arg(&arguments.page).arg("--meshfront").arg(&tools.meshfront).arg("--chromium").arg(&arguments.chromium);
+    let browser = rivals::json_of(page.arg("--fly-by").arg(&subject.front))?;
+    let browser_mean = number(&browser, "/ms/mean")?;
+    report.at_most(&format!("{name}: fly-by in the browser / natively"), browser_mean / mean, 2.5, "×");
+    report.raw(name, "fly_by", json!({ "native": native, "browser": browser }));
     Ok(())
 }
 
@@ -258,8 +257,8 @@ fn compare(tools: &Tools, original: &Path, simple: &Path, samples: usize) -> Res
     Ok(json!({
         "one_sided_max": number(&said, "/a_to_b/max")?,
         "one_sided_mean": number(&said, "/a_to_b/mean")?,
-        "symmetric_max": number(&said, "/max")?,
-        "symmetric_mean": number(&said, "/mean")?,
+        "symmetric_max": number(&said, "/symmetric/max")?,
+        "symmetric_mean": number(&said, "/symmetric/mean")?,
     }))
 }
 

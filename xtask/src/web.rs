@@ -16,8 +16,11 @@ const TARGET: &str = "wasm32-unknown-unknown";
 const RUSTFLAGS: &str = "-C target-feature=+simd128";
 /// Debian packages with a compiler, the standard library's source and a cargo that know [`TARGET`].
 const DEBIAN: [&str; 3] = ["rustc-web", "rust-web-src", "cargo-web"];
-const NODE: &str = "install Node.js 20 or newer with npm (nodejs.org, or your package manager)";
-const NETWORK: &str = "is the package registry reachable from here?";
+/// npm and npx as the system calls them.
+pub const NPM: &str = if cfg!(windows) { "npm.cmd" } else { "npm" };
+pub const NPX: &str = if cfg!(windows) { "npx.cmd" } else { "npx" };
+pub const NODE: &str = "install Node.js 20 or newer with npm (nodejs.org, or your package manager)";
+pub const REGISTRY: &str = "is the package registry reachable from here?";
 
 /// Where the standard library for WebAssembly comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -137,11 +140,11 @@ pub fn packages() -> Result<()> {
     if is_fresh(&installed, &[web.join("package-lock.json")]) {
         return Ok(());
     }
-    if on_path("npm").is_none() {
+    if on_path(NPM).is_none() {
         bail!("no npm on the PATH: {NODE}");
     }
     say("npm ci in web/");
-    run_quietly(npm().args(["ci", "--no-audit", "--no-fund"]), NETWORK)?;
+    run_quietly(npm().args(["ci", "--no-audit", "--no-fund"]), REGISTRY)?;
     // npm leaves the file's time alone when nothing had to change.
     std::fs::File::options().append(true).open(&installed)?.set_modified(std::time::SystemTime::now())?;
     Ok(())
@@ -149,7 +152,7 @@ pub fn packages() -> Result<()> {
 
 /// npm, run in `web/`.
 pub fn npm() -> Command {
-    let mut npm = command("npm");
+    let mut npm = command(NPM);
     npm.current_dir(root().join("web"));
     npm
 }
