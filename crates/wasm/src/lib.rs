@@ -1,1 +1,322 @@
-//! The engine as WebAssembly
+//! The engine as WebAssembly: one opened `.front` file with one front. A thin shell; `web/core` wraps it for
+//! TypeScript and runs it in a worker.
+//!
+//! All points and lengths are in mesh space and mesh units, angles in radians, times in microseconds.
+
+mod fly_by;
+mod ranges;
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use meshfront_format::ReadError;
+use meshfront_hierarchies::EdgeCollapse;
+use meshfront_hierarchies::live::TriangleBuffers;
+use meshfront_refine::criteria::{Region, Scale, Shape, Uniform};
+use meshfront_refine::{AnyFront, Camera, Criterion, MultiTessellation, Outcome, Owned, Request, ViewOptions, view};
+use wasm_bindgen::prelude::*;
+
+use fly_by::FlyBy;
+use ranges::{coalesce, gather};
+
+/// Unchanged vertex slots (28 bytes each) and triangle slots (12 bytes) that are uploaded along rather than
+/// starting another range: about a kilobyte, what an upload call costs beside its bytes.
+const VERTEX_GAP: u32 = 32;
+const TRIANGLE_GAP: u32 = 96;
+/// The most ranges of one update, per kind of slot.
+const MOST_RANGES: usize = 512;
+
+#[wasm_bindgen]
+extern "C" {
+    /// Milliseconds of the host's monotone clock.
+    #[wasm_bindgen(js_namespace = performance)]
+    fn now() -> f64;
+}
+
+fn clock_us() -> u64 {
+    (now() * 1000.0) as u64
+}
+
+/// An opened file with one front.
+#[wasm_bindgen]
+pub struct Model {
+    owned: Owned<EdgeCollapse>,
+    /// Everything is to be uploaded: nothing was so far.
+    fresh: bool,
+}
+
+#[wasm_bindgen]
+impl Model {
+    /// Reads the bytes of a `.front` file.
+    ///
+    /// # Errors
+    /// A JavaScript `Error` whose `name` is the kind (`not-front`, `too-new`, `damaged`) and whose message is the
+    /// reader's, beginning with `name`.
+    #[wasm_bindgen(constructor)]
+    pub fn new(bytes: &[u8], name: &str) -> Result<Model, js_sys::Error> {
+        let hierarchy = read(bytes, name).map_err(|error| {
+            let js = js_sys::Error::new(&error.to_string());
+            js.set_name(kind(&error));
+            js
+        })?;
+        Ok(Model { owned: Owned::new(Arc::new(hierarchy)), fresh: true })
+    }
+
+    /// Number of updates.
+    #[wasm_bindgen(getter)]
+    pub fn updates(&self) -> u32 {
+        self.hierarchy().len() as u32
+    }
+    /// Vertices of the source, after cleaning.
+    #[wasm_bindgen(getter, js_name = sourceVertices)]
+    pub fn source_vertices(&self) -> u32 {
+        self.hierarchy().source().vertices
+    }
+    /// Triangles of the source, after cleaning.
+    #[wasm_bindgen(getter, js_name = sourceTriangles)]
+    pub fn source_triangles(&self) -> u32 {
+        self.hierarchy().source().triangles
+    }
+    /// Triangles of the base mesh.
+    #[wasm_bindgen(getter, js_name = baseTriangles)]
+    pub fn base_triangles(&self) -> u32 {
+        self.hierarchy().base_mesh().triangles.len() as u32
+    }
+    /// Least and greatest corner of the box of all vertices of all levels: six numbers.
+    #[wasm_bindgen(getter)]
+    pub fn bounds(&self) -> Vec<f32> {
+        let bounds = self.hierarchy().bounds();
+        [bounds.min.to_array(), bounds.max.to_array()].concat()
+    }
+    /// The error that is left with every update applied.
+    #[wasm_bindgen(getter, js_name = floorError)]
+    pub fn floor_error(&self) -> f32 {
+        self.hierarchy().floor_error()
+    }
+    /// Whether there are colours.
+    #[wasm_bindgen(getter, js_name = hasColors)]
+    pub fn has_colors(&self) -> bool {
+        self.hierarchy().has_colors()
+    }
+
+    /// Adapts the front to a view.
+    ///
+    /// - `camera`: eye, target, up (3 numbers each), vertical field of view, width and height in pixels, near plane;
+    /// - `max_triangles`: `u32::MAX` for no limit;
+    /// - `region`: empty, or a sphere (centre, radius) or a box (least, greatest corner) and then the error that is
+    ///   allowed outside of it: 5 or 7 numbers.
+    ///
+    /// # Errors
+    /// A `RangeError` where `camera` or `region` has another length.
+    pub fn adapt(
+        &mut self,
+        camera: &[f32],
+        tolerance_px: f32,
+        max_triangles: u32,
+        deadline_us: u32,
+        frustum: bool,
+        orientation: bool,
+        region: &[f32],
+    ) -> Result<Frame, js_sys::RangeError> {
+        let camera = camera_of(camera).ok_or_else(|| js_sys::RangeError::new("a camera has 13 numbers"))?;
+        let inside = view(&camera, ViewOptions { frustum, orientation, outside: None });
+        let request = Request {
+            tolerance: tolerance_px,
+            max_cells: (max_triangles != u32::MAX).then_some(max_triangles as usize),
+            deadline_us: Some(deadline_us),
+            clock: clock_us,
+        };
+        let shape = match *region {
+            [] => None,
+            [x, y, z, radius, _] => Some(Shape::Sphere { center: Vec3::new(x, y, z), radius }),
+            [x0, y0, z0, x1, y1, z1, _] => Some(Shape::Box { min: Vec3::new(x0, y0, z0), max: Vec3::new(x1, y1, z1) }),
+            _ => return Err(js_sys::RangeError::new("a region has 5 or 7 numbers")),
+        };
+        let criterion: Box<dyn Criterion> = match (shape, region.last()) {
+            (Some(shape), Some(&error)) => {
+                // In units of the tolerance, so that one threshold serves both sides.
+                let outside = Scale { inner: Uniform, factor: tolerance_px / error };
+                Box::new(Region { shape, inside, outside })
+            }
+            _ => Box::new(inside),
+        };
+        let start = now();
+        let outcome = self.owned.adapt(&*criterion, &request);
+        Ok(self.frame(outcome, now() - start))
+    }
+
+    /// Flies once around the model with a front of its own, at one pixel without limits; see [`FlyBy`].
+    #[wasm_bindgen(js_name = flyBy)]
+    pub fn fly_by(&self) -> FlyBy {
+        fly_by::run(&self.owned.hierarchy, now)
+    }
+
+    fn hierarchy(&self) -> &EdgeCollapse {
+        &self.owned.hierarchy
+    }
+
+    /// Gathers what changed, and forgets it.
+    fn frame(&mut self, outcome: Outcome, engine_ms: f64) -> Frame {
+        let start = now();
+        let buffers = &mut self.owned.front.mesh_mut().buffers;
+        let (vertex_ranges, triangle_ranges) = if std::mem::take(&mut self.fresh) {
+            (vec![0, buffers.positions.len() as u32], vec![0, buffers.triangles.len() as u32])
+        } else {
+            (
+                coalesce(&mut buffers.changes.vertices, VERTEX_GAP, MOST_RANGES),
+                coalesce(&mut buffers.changes.triangles, TRIANGLE_GAP, MOST_RANGES),
+            )
+        };
+        buffers.clear_changes();
+        let TriangleBuffers { positions, normals, colors, levels, triangles, .. } = buffers;
+        Frame {
+            vertex_slots: positions.len() as u32,
+            triangle_slots: triangles.len() as u32,
+            positions: gather(bytemuck::cast_slice::<Vec3, [f32; 3]>(positions), &vertex_ranges),
+            normals: gather(normals, &vertex_ranges),
+            colors: if colors.is_empty() { vec![] } else { gather(colors, &vertex_ranges) },
+            levels: gather(levels.as_chunks::<1>().0, &vertex_ranges),
+            corners: gather(triangles, &triangle_ranges),
+            vertex_ranges,
+            triangle_ranges,
+            outcome,
+            engine_ms,
+            gather_ms: now() - start,
+        }
+    }
+}
+
+/// What one call did: counters, and copies of the slots that changed. Columns are taken once and leave nothing
+/// behind. Ranges are pairs (first slot, number of slots), ascending and apart.
+#[wasm_bindgen]
+pub struct Frame {
+    vertex_slots: u32,
+    triangle_slots: u32,
+    vertex_ranges: Vec<u32>,
+    triangle_ranges: Vec<u32>,
+    positions: Vec<f32>,
+    normals: Vec<i16>,
+    colors: Vec<u8>,
+    levels: Vec<u8>,
+    corners: Vec<u32>,
+    outcome: Outcome,
+    engine_ms: f64,
+    gather_ms: f64,
+}
+
+#[wasm_bindgen]
+impl Frame {
+    /// Vertex slots in use, free ones between them included.
+    #[wasm_bindgen(getter, js_name = vertexSlots)]
+    pub fn vertex_slots(&self) -> u32 {
+        self.vertex_slots
+    }
+    /// Triangle slots in use, free ones between them included.
+    #[wasm_bindgen(getter, js_name = triangleSlots)]
+    pub fn triangle_slots(&self) -> u32 {
+        self.triangle_slots
+    }
+    /// Changed vertex slots.
+    #[wasm_bindgen(js_name = takeVertexRanges)]
+    pub fn take_vertex_ranges(&mut self) -> Vec<u32> {
+        std::mem::take(&mut self.vertex_ranges)
+    }
+    /// Changed triangle slots.
+    #[wasm_bindgen(js_name = takeTriangleRanges)]
+    pub fn take_triangle_ranges(&mut self) -> Vec<u32> {
+        std::mem::take(&mut self.triangle_ranges)
+    }
+    /// 3 numbers per changed vertex slot.
+    #[wasm_bindgen(js_name = takePositions)]
+    pub fn take_positions(&mut self) -> Vec<f32> {
+        std::mem::take(&mut self.positions)
+    }
+    /// 4 numbers per changed vertex slot: a unit vector times 32767, and 0.
+    #[wasm_bindgen(js_name = takeNormals)]
+    pub fn take_normals(&mut self) -> Vec<i16> {
+        std::mem::take(&mut self.normals)
+    }
+    /// 4 numbers per changed vertex slot, or none where there are no colours.
+    #[wasm_bindgen(js_name = takeColors)]
+    pub fn take_colors(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.colors)
+    }
+    /// 1 number per changed vertex slot: splits between it and the base mesh, up to 255.
+    #[wasm_bindgen(js_name = takeLevels)]
+    pub fn take_levels(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.levels)
+    }
+    /// 3 vertex slots per changed triangle slot; a free one holds 0, 0, 0.
+    #[wasm_bindgen(js_name = takeCorners)]
+    pub fn take_corners(&mut self) -> Vec<u32> {
+        std::mem::take(&mut self.corners)
+    }
+    /// Triangles of the front.
+    #[wasm_bindgen(getter)]
+    pub fn triangles(&self) -> u32 {
+        self.outcome.cells as u32
+    }
+    /// Updates applied.
+    #[wasm_bindgen(getter)]
+    pub fn refined(&self) -> u32 {
+        self.outcome.refined
+    }
+    /// Updates undone.
+    #[wasm_bindgen(getter)]
+    pub fn coarsened(&self) -> u32 {
+        self.outcome.coarsened
+    }
+    /// How often the criterion was asked.
+    #[wasm_bindgen(getter)]
+    pub fn evaluations(&self) -> u32 {
+        self.outcome.evaluations
+    }
+    /// Whether nothing is left to do for this view.
+    #[wasm_bindgen(getter)]
+    pub fn settled(&self) -> bool {
+        self.outcome.settled
+    }
+    /// Whether the triangle budget keeps the front from its tolerance.
+    #[wasm_bindgen(getter, js_name = budgetBound)]
+    pub fn budget_bound(&self) -> bool {
+        self.outcome.budget_bound
+    }
+    /// A bound on how wrong the front looks.
+    #[wasm_bindgen(getter, js_name = errorPx)]
+    pub fn error_px(&self) -> f32 {
+        self.outcome.error_px
+    }
+    /// Time in the engine, milliseconds.
+    #[wasm_bindgen(getter, js_name = engineMs)]
+    pub fn engine_ms(&self) -> f64 {
+        self.engine_ms
+    }
+    /// Time to gather what changed, milliseconds.
+    #[wasm_bindgen(getter, js_name = gatherMs)]
+    pub fn gather_ms(&self) -> f64 {
+        self.gather_ms
+    }
+}
+
+fn read(bytes: &[u8], name: &str) -> Result<EdgeCollapse, ReadError> {
+    let columns = meshfront_format::decode(bytes, name)?;
+    EdgeCollapse::new(columns).map_err(|source| ReadError::Hierarchy { file: name.to_owned(), source })
+}
+
+fn camera_of(numbers: &[f32]) -> Option<Camera> {
+    let numbers: &[f32; 13] = numbers.try_into().ok()?;
+    let vec3 = |i: usize| Vec3::new(numbers[i], numbers[i + 1], numbers[i + 2]);
+    let [.., fov_y, width_px, height_px, near] = *numbers;
+    Some(Camera { eye: vec3(0), target: vec3(3), up: vec3(6), fov_y, width_px, height_px, near })
+}
+
+/// The kind of error, in the words of `web/core/src/errors.ts`.
+fn kind(error: &ReadError) -> &'static str {
+    match error {
+        ReadError::NotFront { .. } => "not-front",
+        ReadError::NewerVersion { .. } | ReadError::UnknownModel { .. } | ReadError::UnknownPart { .. } => "too-new",
+        ReadError::Io { .. } | ReadError::Length { .. } | ReadError::Damaged { .. } | ReadError::Hierarchy { .. } => {
+            "damaged"
+        }
+    }
+}

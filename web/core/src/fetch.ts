@@ -1,0 +1,46 @@
+import { MeshfrontError } from "./errors.js";
+
+/** Bytes so far, and of the whole where the server says so. */
+export type Progress = (loaded: number, total: number | undefined) => void;
+
+/**
+ * Fetches a file, telling how far it is. Never holds more than twice what arrived, whatever the server promises.
+ *
+ * @throws MeshfrontError `missing` (404, 410), `refused` (other statuses), `network` (no or broken answer)
+ */
+export async function fetchBytes(url: string, onProgress: Progress, fetcher: typeof fetch = fetch): Promise<Uint8Array> {
+  let response: Response;
+  try {
+    response = await fetcher(url);
+  } catch (cause) {
+    throw new MeshfrontError("network", `${url} cannot be reached`, { cause });
+  }
+  if (response.status === 404 || response.status === 410) {
+    throw new MeshfrontError("missing", `${url} does not exist (HTTP ${response.status})`);
+  }
+  if (!response.ok) throw new MeshfrontError("refused", `${url} was refused (HTTP ${response.status})`);
+
+  // A compressed transfer announces its compressed length, which says nothing about what arrives here.
+  const announced = response.headers.has("content-encoding") ? null : response.headers.get("content-length");
+  const total = announced === null ? undefined : Number(announced);
+  const chunks: Uint8Array[] = [];
+  let loaded = 0;
+  onProgress(0, total);
+  try {
+    const reader = response.body?.getReader();
+    for (let part = await reader?.read(); part?.value; part = await reader?.read()) {
+      chunks.push(part.value);
+      loaded += part.value.length;
+      onProgress(loaded, total);
+    }
+  } catch (cause) {
+    throw new MeshfrontError("network", `${url} broke off after ${loaded} bytes`, { cause });
+  }
+  const bytes = new Uint8Array(loaded);
+  let at = 0;
+  for (const chunk of chunks) {
+    bytes.set(chunk, at);
+    at += chunk.length;
+  }
+  return bytes;
+}

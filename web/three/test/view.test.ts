@@ -1,0 +1,70 @@
+import { Euler, Matrix4, PerspectiveCamera, Quaternion, Vector3 } from "three";
+import { expect, test } from "vitest";
+import { meshView, scales, type Quality } from "../src/view.js";
+
+const QUALITY: Quality = {
+  tolerancePx: 2, maxTriangles: Infinity, deadlineMs: 5, frustum: true, orientation: true, region: undefined,
+};
+const HEIGHT = 800;
+
+function cameraAt(eye: Vector3, target: Vector3): PerspectiveCamera {
+  const camera = new PerspectiveCamera(50, 1.5, 0.1, 100);
+  camera.position.copy(eye);
+  camera.lookAt(target);
+  camera.updateMatrixWorld();
+  return camera;
+}
+const turned = new Quaternion().setFromEuler(new Euler(0.3, -1.1, 0.7));
+const move = (scale: Vector3) => new Matrix4().compose(new Vector3(3, -2, 1), turned, scale);
+
+/** Where a mesh-space point lies in the picture of a mesh-space view, pixels from the middle; by plain geometry. */
+function pixels(view: ReturnType<typeof meshView>, point: Vector3): [number, number] {
+  const eye = new Vector3(...view.eye);
+  const forward = new Vector3(...view.target).sub(eye).normalize();
+  const right = forward.clone().cross(new Vector3(...view.up)).normalize();
+  const up = right.clone().cross(forward);
+  const ray = point.clone().sub(eye);
+  const scale = view.height / 2 / Math.tan(view.fovY / 2) / ray.dot(forward);
+  return [ray.dot(right) * scale, ray.dot(up) * scale];
+}
+
+test.each([1, 0.01, 250])("a point lies where the camera sees it, whatever the mesh's place (scale %d)", (scale) => {
+  const camera = cameraAt(new Vector3(5, 4, 6), new Vector3(3, -2, 1));
+  const world = move(new Vector3(scale, scale, scale));
+  const view = meshView(camera, world, HEIGHT, QUALITY);
+  expect(view.width).toBeCloseTo(1200);
+  expect(view.tolerancePx).toBeCloseTo(2, 3);
+  expect(view.frustum).toBe(true);
+  expect(view.near * scale).toBeLessThanOrEqual(0.1);
+  expect(view.near * scale).toBeGreaterThan(0.04);
+  for (const corner of [[0, 0, 0], [1, 0.5, -0.5], [-0.7, 1, 0.2]]) {
+    const inMesh = new Vector3(...corner).divideScalar(scale);
+    const ndc = inMesh.clone().applyMatrix4(world).project(camera);
+    const [x, y] = pixels(view, inMesh);
+    expect(x).toBeCloseTo((ndc.x * view.width) / 2, 1);
+    expect(y).toBeCloseTo((ndc.y * HEIGHT) / 2, 1);
+  }
+});
+
+test("an uneven scale asks for more, and culls nothing outside of the picture", () => {
+  const camera = cameraAt(new Vector3(5, 4, 6), new Vector3());
+  const view = meshView(camera, move(new Vector3(1, 4, 2)), HEIGHT, QUALITY);
+  expect(view.frustum).toBe(false);
+  expect(view.tolerancePx).toBeCloseTo(0.5);
+});
+
+test("the least and the greatest stretch", () => {
+  expect(scales(move(new Vector3(3, 3, 3)))).toEqual({ smallest: expect.closeTo(3), largest: expect.closeTo(3) });
+  const uneven = scales(move(new Vector3(-0.5, 7, 2)));
+  expect(uneven).toEqual({ smallest: expect.closeTo(0.5), largest: expect.closeTo(7) });
+  // A shear by 1: the golden ratio and its inverse.
+  const shear = scales(new Matrix4().makeShear(1, 0, 0, 0, 0, 0));
+  expect(shear).toEqual({ smallest: expect.closeTo(0.618, 3), largest: expect.closeTo(1.618, 3) });
+});
+
+test("a tile of a larger picture is not culled by the whole picture's frustum", () => {
+  const camera = cameraAt(new Vector3(5, 4, 6), new Vector3());
+  camera.setViewOffset(2400, 1600, 0, 0, 1200, 800);
+  camera.updateProjectionMatrix();
+  expect(meshView(camera, new Matrix4(), HEIGHT, QUALITY).frustum).toBe(false);
+});

@@ -1,0 +1,214 @@
+/** The page that `meshfront view` serves: one model, one front, one panel. */
+
+import { levelMaterial, MeshfrontObject, type FrameStats, type MeshfrontError } from "@meshfront/three";
+import { type BufferGeometry, Mesh, MeshBasicMaterial, MeshStandardMaterial } from "three";
+import { count, element, makePanel } from "./panel.js";
+import { readCard, readParameters, type ModelCard, type Point } from "./parameters.js";
+import { makeStage, moveByKey } from "./stage.js";
+
+const parameters = readParameters(location.search);
+// Above two, more pixels cost more than they show.
+const stage = makeStage(element<HTMLCanvasElement>("picture"), Math.min(devicePixelRatio, 2));
+const { camera, controls, renderer, scene } = stage;
+
+const clay = new MeshStandardMaterial({
+  color: 0xd8c7b4, roughness: 0.72, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
+});
+const byLevel = levelMaterial({ polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
+const lines = new MeshBasicMaterial({ color: 0x11161c, wireframe: true, transparent: true, opacity: 0.55 });
+
+let object: MeshfrontObject | undefined;
+let overlay: Mesh<BufferGeometry> | undefined;
+let dirty = true;
+let waiting: (() => void)[] = [];
+const asked = { tolerancePx: parameters.tolerancePx, budget: parameters.budget, frozen: false };
+
+const panel = makePanel({
+  setTolerance,
+  setBudget,
+  freeze,
+  wireframe: setWireframe,
+  levels: setLevels,
+  showAll,
+});
+
+function setTolerance(px: number): void {
+  asked.tolerancePx = px;
+  if (object) object.tolerancePx = px;
+}
+
+function setBudget(triangles: number): void {
+  asked.budget = triangles;
+  if (object) object.maxTriangles = triangles;
+}
+
+function freeze(on: boolean): void {
+  asked.frozen = on;
+  if (object) object.frozen = on;
+  say(on ? "The front is frozen: it stays as it is while you look around." : "The front follows the view again.");
+}
+
+function setWireframe(on: boolean): void {
+  lines.visible = on;
+  dirty = true;
+}
+
+function setLevels(on: boolean): void {
+  if (object) object.material = on ? byLevel : clay;
+  dirty = true;
+}
+
+function showAll(): void {
+  const sphere = object?.geometry.boundingSphere;
+  if (sphere) stage.showAll(sphere);
+  dirty = true;
+}
+
+function setCamera(eye: Point, target: Point): void {
+  camera.position.set(...eye);
+  controls.target.set(...target);
+  controls.update();
+  dirty = true;
+}
+
+function say(text: string): void {
+  element("status").textContent = text;
+}
+
+async function open(): Promise<void> {
+  close();
+  element("failure").hidden = true;
+  element("loading").hidden = false;
+  element<HTMLProgressElement>("loading-bar").removeAttribute("value");
+  const card = await readCard(parameters.model);
+  describe(card);
+  const loading = new MeshfrontObject(card.url, {
+    material: element<HTMLInputElement>("levels").checked ? byLevel : clay,
+    tolerancePx: asked.tolerancePx,
+    maxTriangles: asked.budget,
+  });
+  object = loading;
+  loading.frozen = asked.frozen;
+  loading.addEventListener("load-progress", ({ loaded, total }) => showProgress(card.name, loaded, total));
+  loading.addEventListener("load-error", ({ error }) => fail(error));
+  loading.addEventListener("needs-update", () => { dirty = true; });
+  loading.addEventListener("load", ({ info }) => {
+    element("loading").hidden = true;
+    clay.color.set(info.hasColors ? 0xffffff : 0xd8c7b4);
+    panel.setModel(info);
+    panel.setTolerance(asked.tolerancePx);
+    panel.setBudget(asked.budget);
+    const source = card.source ?? { vertices: info.sourceVertices, triangles: info.sourceTriangles };
+    const size = `${count(source.triangles)} triangles, ${(info.bytes / 1e6).toFixed(1)} MB`;
+    element("subtitle").textContent = size;
+    say(`${card.name} is loaded: ${size}.`);
+    overlay = new Mesh(loading.geometry, lines);
+    scene.add(loading.add(overlay));
+    stage.resize();
+    showAll();
+    if (parameters.eye) setCamera(parameters.eye, parameters.target ?? controls.target.toArray());
+  });
+}
+
+function close(): void {
+  object?.removeFromParent();
+  object?.dispose();
+  object = undefined;
+}
+
+function describe(card: ModelCard): void {
+  document.title = `${card.name} – Meshfront`;
+  element("name").textContent = card.name;
+  element("credit").textContent = card.credit ?? "";
+  element("credit").hidden = !card.credit;
+}
+
+function showProgress(name: string, loaded: number, total: number | undefined): void {
+  const done = total ? `${Math.round((100 * loaded) / total)} %` : `${(loaded / 1e6).toFixed(1)} MB`;
+  element("loading-text").textContent = `Loading ${name} … ${done}`;
+  if (total) element<HTMLProgressElement>("loading-bar").value = loaded / total;
+}
+
+const TITLES: Record<MeshfrontError["kind"], string> = {
+  missing: "There is no such file",
+  network: "The file did not arrive",
+  refused: "The server would not send the file",
+  "not-front": "This is not a .front file",
+  damaged: "The file is damaged",
+  "too-new": "The file is too new",
+  engine: "The engine stopped",
+  closed: "The model was closed",
+};
+
+function fail(error: MeshfrontError): void {
+  element("loading").hidden = true;
+  element("failure-title").textContent = TITLES[error.kind];
+  element("failure-what").textContent = error.message;
+  element("failure-remedy").textContent = error.remedy;
+  element("failure").hidden = false;
+}
+
+function frame(): void {
+  if (stage.resize()) dirty = true;
+  const moved = controls.update();
+  const sphere = object?.geometry.boundingSphere;
+  if (object && sphere) {
+    if (moved || dirty) stage.fitDepth(sphere);
+    object.setResolutionFromRenderer(camera, renderer);
+    object.update();
+  }
+  if (moved || dirty) {
+    dirty = false;
+    renderer.render(scene, camera);
+    if (object?.stats) panel.show(object.stats);
+  }
+  if (object?.settled && !moved && !dirty) {
+    for (const resolve of waiting) resolve();
+    waiting = [];
+  }
+}
+
+element("picture").addEventListener("keydown", (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.key === "f" || event.key === "F") showAll();
+  else if (!moveByKey(stage, event)) return;
+  event.preventDefault();
+  dirty = true;
+});
+element("retry").addEventListener("click", () => void open());
+
+// On a small screen the picture comes first.
+const details = element<HTMLDetailsElement>("panel");
+details.open = innerWidth > 640;
+details.hidden = !parameters.panel;
+for (const id of ["name", "subtitle"]) element(id).hidden = !parameters.panel;
+document.querySelector<HTMLElement>(".help")!.hidden = !parameters.panel;
+
+lines.visible = parameters.wireframe;
+panel.setSwitch("wireframe", parameters.wireframe);
+panel.setSwitch("levels", parameters.levels);
+panel.setTolerance(parameters.tolerancePx);
+panel.setBudget(parameters.budget);
+
+/** For consoles and tests. Points are in the mesh's own space. */
+const meshfront = {
+  /** Resolves once the front is all that the view asks for, and drawn. */
+  settled: () => new Promise<FrameStats>((resolve) => waiting.push(() => resolve(object!.stats!))),
+  stats: () => object?.stats,
+  info: () => object?.info,
+  setCamera,
+  setTolerance: (px: number) => { setTolerance(px); panel.setTolerance(px); },
+  setBudget: (triangles: number) => { setBudget(triangles); panel.setBudget(triangles); },
+  freeze: (on: boolean) => { freeze(on); panel.setSwitch("freeze", on); },
+  /** Flies once around the model in the worker, and tells what that took. */
+  flyBy: () => object?.engine?.flyBy(),
+  camera,
+  get object() { return object; },
+};
+declare global {
+  interface Window { meshfront: typeof meshfront }
+}
+window.meshfront = meshfront;
+
+renderer.setAnimationLoop(frame);
+void open();
