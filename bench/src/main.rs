@@ -239,13 +239,26 @@ fn fly_by(tools: &Tools, subject: &Subject, arguments: &Arguments, report: &mut 
     report::say(&format!("{name}: fly-by"));
     let native = tools.meshfront_json(&["bench", path(&subject.front)])?;
     let mean = number(&native, "/fly_by/ms/mean")?;
-    report.at_most(&format!("{name}: fly-by, mean"), mean, 0.3, "ms");
-    report.at_most(&format!("{name}: fly-by, p99"), number(&native, "/fly_by/ms/p99")?, 1.5, "ms");
+    let at_most = [
+        ("fly-by, mean", "/fly_by/ms/mean", 0.3, "ms"),
+        ("fly-by, p99", "/fly_by/ms/p99", 1.5, "ms"),
+        ("camera jump, over its time budget", "/camera_jump/worst_overshoot_ms", 1.0, "ms"),
+        ("camera jump, until converged", "/camera_jump/ms_to_converge_at_60_hz", 500.0, "ms"),
+        ("hierarchy in memory", "/memory/bytes_per_update", 80.0, "B/update"),
+        ("front in memory", "/memory/bytes_per_active_vertex", 120.0, "B/vertex"),
+    ];
+    for (what, pointer, reach, unit) in at_most {
+        report.at_most(&format!("{name}: {what}"), number(&native, pointer)?, reach, unit);
+    }
+    let per_second = number(&native, "/top_down/updates_per_second")?;
+    report.at_least(&format!("{name}: top-down to full resolution"), per_second / 1e6, 2.0, "M updates/s");
+    let saved = number(&native, "/fly_by/evaluations_saved")?;
+    report.at_least(&format!("{name}: fly-by, whole front / evaluations"), saved, 4.0, "×");
     report::say(&format!("{name}: fly-by in the browser"));
     let mut page = Command::new("node");
     page.arg(&arguments.page).arg("--meshfront").arg(&tools.meshfront).arg("--chromium").arg(&arguments.chromium);
     let browser = rivals::json_of(page.arg("--fly-by").arg(&subject.front))?;
-    let browser_mean = number(&browser, "/ms/mean")?;
+    let browser_mean = number(&browser, "/meanMs")?;
     report.at_most(&format!("{name}: fly-by in the browser / natively"), browser_mean / mean, 2.5, "×");
     report.raw(name, "fly_by", json!({ "native": native, "browser": browser }));
     Ok(())
