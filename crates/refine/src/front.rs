@@ -248,15 +248,10 @@ impl<H: MultiTessellation> Front<H> {
         }
         loop {
             self.contract(h, c, &mut run);
-            if run.timer.out() {
-                break;
-            }
+            // Also when time is up: a call applies at least one update, however short its time.
             let exhausted = if self.budget_bound { self.balance(h, c, &mut run) } else { self.expand(h, c, &mut run) };
-            if run.timer.out() {
-                break;
-            }
-            if exhausted && self.is_idle() {
-                self.settled = true;
+            self.settled = exhausted && self.is_idle();
+            if self.settled || run.timer.out() {
                 break;
             }
         }
@@ -282,10 +277,7 @@ impl<H: MultiTessellation> Front<H> {
         self.sweep.words_left = 0;
         self.work.extend(self.open.iter());
         while let Some(m) = self.work.pop() {
-            if self.filed.has(m) || !self.open.has(m) {
-                continue;
-            }
-            if H::READS_MESH && self.waits(h, m) {
+            if (self.filed.has(m) && !H::READS_MESH) || !self.open.has(m) || (H::READS_MESH && self.waits(h, m)) {
                 continue;
             }
             let rank = self.rank(h, c, m, &mut run);
@@ -406,8 +398,7 @@ impl<H: MultiTessellation> Front<H> {
 
     /// Looks at what is due: undoes the leaves that are not wanted, ranks the decisions that are.
     fn contract<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, run: &mut Run) {
-        let phase = run.timer.phase(0.5);
-        let limit = run.timer.set_limit(phase);
+        let limit = run.timer.begin_phase(0.5);
         while let Some(m) = self.next_decision() {
             let steps = self.steps.len();
             self.decide(h, c, m, run);
@@ -415,7 +406,7 @@ impl<H: MultiTessellation> Front<H> {
                 break;
             }
         }
-        run.timer.set_limit(limit);
+        run.timer.end_phase(limit);
     }
 
     /// Applies what is wanted, worst first. `false` where the budget is in the way.

@@ -73,6 +73,8 @@ pub(crate) struct Timer {
     clock: fn() -> u64,
     start: u64,
     limit: u64,
+    /// The last reading.
+    used: u64,
     ops: u32,
     out: bool,
 }
@@ -86,7 +88,7 @@ impl Timer {
             Some(us) => ((request.clock)(), us as u64),
             None => (0, u64::MAX),
         };
-        Timer { clock: request.clock, start, limit, ops: 0, out: limit == 0 }
+        Timer { clock: request.clock, start, limit, used: 0, ops: 0, out: false }
     }
     /// Counts an operation and says whether time is up.
     #[inline]
@@ -95,7 +97,8 @@ impl Timer {
         if self.ops >= Timer::STRIDE {
             self.ops = 0;
             if self.limit != u64::MAX {
-                self.out |= self.used() >= self.limit;
+                self.look();
+                self.out = self.used >= self.limit;
             }
         }
         self.out
@@ -103,20 +106,21 @@ impl Timer {
     pub fn out(&self) -> bool {
         self.out
     }
-    fn used(&self) -> u64 {
-        (self.clock)().saturating_sub(self.start)
+    fn look(&mut self) {
+        self.used = (self.clock)().saturating_sub(self.start);
     }
-    /// The share of the remaining time that ends a phase: `used` may not pass it.
-    pub fn phase(&self, share: f32) -> u64 {
-        if self.limit == u64::MAX {
-            return u64::MAX;
+    /// Until `end_phase`, only a share of the remaining time is there to spend. Gives the whole limit.
+    pub fn begin_phase(&mut self, share: f32) -> u64 {
+        let limit = self.limit;
+        if limit != u64::MAX {
+            self.look();
+            self.limit = self.used + (limit.saturating_sub(self.used) as f32 * share) as u64;
         }
-        let used = self.used();
-        used + (self.limit.saturating_sub(used) as f32 * share) as u64
+        limit
     }
-    /// Replaces the limit, and gives the old one.
-    pub fn set_limit(&mut self, limit: u64) -> u64 {
-        self.out = false;
-        std::mem::replace(&mut self.limit, limit)
+    /// The whole of the remaining time is there again.
+    pub fn end_phase(&mut self, limit: u64) {
+        self.limit = limit;
+        self.out = self.used >= limit;
     }
 }
