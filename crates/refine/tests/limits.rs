@@ -131,7 +131,7 @@ fn worst_first<H: WellFormed>(h: &H, seed: u64) {
 fn deadline<H: WellFormed>(h: &H, seed: u64) {
     let mut r = Rng(seed + 5);
     let mut front = Front::new(h);
-    let mut most_calls = 0;
+    let mut unsettled = 0;
     for round in 0..40 {
         let mut at = eye(&mut r, h.span());
         let tolerance = 0.3 * 100f32.powf(r.unit());
@@ -157,7 +157,7 @@ fn deadline<H: WellFormed>(h: &H, seed: u64) {
             if let Some(limit) = max_cells {
                 assert!(outcome.cells <= limit.max(before), "cells grow beyond the budget");
             }
-            most_calls = most_calls.max(call);
+            unsettled += !outcome.settled as usize;
             if outcome.settled && call > 15 {
                 if !outcome.budget_bound {
                     assert_eq!(front.applied().collect::<Vec<_>>(), oracle(h, &c, tolerance));
@@ -167,7 +167,7 @@ fn deadline<H: WellFormed>(h: &H, seed: u64) {
             assert!(call < 500, "does not converge: {outcome:?}");
         }
     }
-    assert!(most_calls > 16, "no deadline was ever missed");
+    assert!(unsettled > 20, "time was up only {unsettled} times");
 }
 
 mod budgets {
