@@ -32,6 +32,7 @@ pub enum Codec {
 }
 
 impl Codec {
+    #[cfg(feature = "write")]
     fn number(self) -> u32 {
         match self {
             Codec::Stored => 0,

@@ -9,9 +9,9 @@
 //! and every page can be fetched, checked and unpacked by itself. Only the sums along the splits run through all pages.
 
 use glam::{DVec3, Vec3};
-#[cfg(feature = "write")]
-use meshfront_hierarchies::edge_collapse::InvalidColumns;
 use meshfront_hierarchies::edge_collapse::{Columns, Grid, Oct, SourceCounts};
+#[cfg(feature = "write")]
+use meshfront_hierarchies::edge_collapse::{InvalidColumns, round_error_up};
 use meshfront_mesh::{TriangleMesh, VertexColumns, VertexId};
 
 use crate::container::{self, Section, checksum, u32_at, u64_at};
@@ -56,19 +56,6 @@ const HAS_BASE_NORMALS: u32 = 2;
 const HAS_BASE_COLORS: u32 = 4;
 const HAS_NORMALS: u32 = 8;
 const HAS_COLORS: u32 = 16;
-
-/// Rounds an error up to what the file stores: a sixteenth of an octave, as a float with four bits of mantissa.
-///
-/// Monotone, so that errors that never grow along the order never grow after it; idempotent, so that a hierarchy
-/// built with rounded errors is read back as it was. At most 1/16 is added. Above 1.9375 · 2¹²⁷ the result is
-/// infinite, which no file stores.
-pub fn round_error_up(error: f32) -> f32 {
-    if !error.is_finite() {
-        return error;
-    }
-    let dropped = (1 << page::ERROR_SHIFT) - 1;
-    f32::from_bits((error.to_bits() + dropped) & !dropped)
-}
 
 /// What META holds.
 #[derive(Clone, Copy)]
@@ -115,7 +102,7 @@ pub fn encode(columns: &Columns) -> Result<Vec<u8>, EncodeError> {
                 split_residual(indices[columns.vertex[m].ix()], indices[child], indices[child + 1])
             })
             .collect();
-        let errors: Vec<f32> = columns.errors[range.clone()].iter().map(|&e| round_error_up(e)).collect();
+        let errors: Vec<f32> = columns.errors[range.clone()].iter().map(|&e| round_error_up(e).abs()).collect();
         let explicit = |m: usize| columns.explicit.partition_point(|split| split.update.ix() < m);
         let bytes = page::encode_page(&page::PageSource {
             vertex: &columns.vertex[range.clone()],
@@ -553,7 +540,7 @@ fn page_section(body: Section<'_>, at: usize, length: usize, sum: u32) -> Result
 
 /// The rows of UTAB, checked against META and UPDT.
 fn decode_table<'a>(table: Section, body: Section<'a>, meta: &Meta) -> Result<Vec<PageRow<'a>>, Fault> {
-    if table.bytes.len() % UPDATE_ROW != 0 {
+    if !table.bytes.len().is_multiple_of(UPDATE_ROW) {
         return Err(table.fault(0, "length is not a multiple of 16"));
     }
     let (mut at, mut first) = (0, 0);

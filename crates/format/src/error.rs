@@ -84,6 +84,7 @@ pub enum ReadError {
 }
 
 /// Why columns cannot be stored.
+#[cfg(feature = "write")]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EncodeError {
     /// The columns do not describe a hierarchy.

@@ -21,12 +21,11 @@ mod rans;
 pub use container::{Codec, MAGIC, VERSION};
 #[cfg(feature = "write")]
 pub use edge_collapse::encode;
-pub use edge_collapse::{
-    ColumnInfo, Info, MODEL, PAGE_UPDATES, PageInfo, SectionInfo, decode, inspect, round_error_up,
-};
+pub use edge_collapse::{ColumnInfo, Info, MODEL, PAGE_UPDATES, PageInfo, SectionInfo, decode, inspect};
 pub use error::ReadError;
 #[cfg(feature = "write")]
 pub use error::{EncodeError, WriteError};
 #[cfg(feature = "write")]
 pub use file::{WriteOptions, Written, write};
 pub use file::{inspect_file, read};
+pub use meshfront_hierarchies::edge_collapse::round_error_up;

@@ -21,8 +21,8 @@ const FLOOR: u64 = 1 << 31;
 const STREAM_HEAD: usize = 12;
 /// What a symbol that is never seen keeps of the whole: about 13 bits to come back from.
 const LEAST: u16 = 4;
-/// How slowly a settled model moves: each symbol weighs 2⁻⁶.
-const SLOWEST: u32 = 6;
+/// How slowly a settled model moves: each symbol weighs 2⁻⁷.
+const SLOWEST: u32 = 7;
 
 /// An adaptive distribution over `N` symbols. Aligned so that no lane load crosses a cache line.
 #[derive(Clone)]
@@ -216,7 +216,8 @@ impl<'a> Decoder<'a> {
     /// Whether the stream was whole and held exactly what was taken from it.
     pub(crate) fn finish(self) -> bool {
         let bits_end = self.taken.div_ceil(8) == self.bits.len();
-        let unused = self.bits.last().is_some_and(|&b| self.taken % 8 != 0 && b >> (self.taken % 8) != 0);
+        let open = self.taken % 8;
+        let unused = open > 0 && self.bits.last().is_some_and(|&b| b >> open != 0);
         self.sound && self.state == FLOOR && self.words.is_empty() && bits_end && !unused
     }
 }

@@ -62,7 +62,7 @@ fn damage_behind_right_checksums_never_panics_nor_takes_memory() {
     );
     let mut random = Random(5);
     let mut errors = 0;
-    for _ in 0..20_000 {
+    for _ in 0..6000 {
         let mut changed = file.clone();
         for _ in 0..1 + random.below(3) {
             let at = random.below(changed.len() as u64) as usize;
@@ -89,7 +89,7 @@ fn damage_behind_right_checksums_never_panics_nor_takes_memory() {
             Ok(columns) => assert_eq!(decode(&encode(&columns).unwrap(), "again").unwrap(), columns),
         }
     }
-    assert!(errors > 10_000, "{errors} of 20000");
+    assert!(errors > 3000, "{errors} of 6000");
 }
 
 #[test]

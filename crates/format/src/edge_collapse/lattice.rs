@@ -18,6 +18,7 @@ impl Lattice {
     }
 
     /// The integers of a point that lies on the lattice.
+    #[cfg(feature = "write")]
     pub(super) fn index(&self, p: Vec3) -> [u32; 3] {
         match self {
             Lattice::Grid(grid) => grid.index(p),
@@ -42,6 +43,7 @@ impl Lattice {
 }
 
 /// Bits of a float, as an integer that grows with it.
+#[cfg(feature = "write")]
 pub(super) fn ordered_bits(x: f32) -> u32 {
     let bits = x.to_bits();
     if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
@@ -54,6 +56,7 @@ pub(super) fn of_ordered_bits(bits: u32) -> f32 {
 
 /// u and v of a split as differences from s: across the edge, and from s to its middle. Modulo 2³², so that any
 /// integers come back: the half of the edge is the same on both sides.
+#[cfg(feature = "write")]
 pub(super) fn split_residual(s: [u32; 3], u: [u32; 3], v: [u32; 3]) -> [[i32; 3]; 2] {
     let edge = [0, 1, 2].map(|i| v[i].wrapping_sub(u[i]) as i32);
     let middle = [0, 1, 2].map(|i| u[i].wrapping_add((edge[i] >> 1) as u32).wrapping_sub(s[i]) as i32);

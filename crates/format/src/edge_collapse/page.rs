@@ -6,7 +6,7 @@ use meshfront_refine::UpdateId;
 
 use crate::container::{Section, u32_at};
 use crate::error::Fault;
-use crate::rans::{Decoder, IntModel, Model, decode_int};
+use crate::rans::{Decoder, IntModel, Model, decode_int, int_models};
 #[cfg(feature = "write")]
 use crate::rans::{Encoder, encode_int};
 
@@ -24,16 +24,17 @@ const OCTAVES: usize = 32;
 /// Differences of both new points from s, per update: edge, then middle.
 pub(super) type Residuals = [[i32; 3]; 2];
 
-/// The models of the position column.
+/// The models of the position column: all but the first by the octave of the longest part of the edge so far.
 struct PositionModels {
-    edge: [Vec<IntModel>; 3],
-    middle: [Vec<IntModel>; 3],
+    first: IntModel,
+    edge: [IntModel; OCTAVES],
+    along: [IntModel; OCTAVES],
+    across: [IntModel; OCTAVES],
 }
 
 impl PositionModels {
     fn new() -> Self {
-        let models = || std::array::from_fn(|_| vec![IntModel::new(); OCTAVES]);
-        PositionModels { edge: models(), middle: models() }
+        PositionModels { first: IntModel::new(), edge: int_models(), along: int_models(), across: int_models() }
     }
 }
 
@@ -236,17 +237,40 @@ fn decode_errors(stream: Section, errors: &mut [f32]) -> Result<(), Fault> {
     ended(decoder, stream)
 }
 
+/// The axis on which an edge is longest; the first such.
+#[inline(always)]
+fn main_axis(edge: [i32; 3]) -> usize {
+    let [x, y, z] = edge.map(i32::unsigned_abs);
+    if x >= y && x >= z {
+        0
+    } else if y >= z {
+        1
+    } else {
+        2
+    }
+}
+
+/// Where the middle lies on another axis if it lies on the line of the edge, as it nearly does: the best place for s is
+/// somewhere along the edge. In `f64`, truncated, so that readers in any language agree; 0 for an edge without length.
+#[inline(always)]
+fn across(along: i32, edge_main: i32, edge_other: i32) -> i32 {
+    (along as f64 * edge_other as f64 / edge_main as f64) as i32
+}
+
 #[cfg(feature = "write")]
 fn encode_positions(residuals: &[Residuals]) -> Vec<u8> {
     let (mut encoder, mut models) = (Encoder::default(), PositionModels::new());
     for [edge, middle] in residuals {
-        let mut largest = 0;
-        for axis in 0..3 {
-            let class = encode_int(&mut encoder, &mut models.edge[axis][largest / 2], edge[axis]);
-            largest = largest.max(class);
+        let mut largest = encode_int(&mut encoder, &mut models.first, edge[0]);
+        for axis in 1..3 {
+            largest = largest.max(encode_int(&mut encoder, &mut models.edge[largest / 2], edge[axis]));
         }
-        for axis in 0..3 {
-            encode_int(&mut encoder, &mut models.middle[axis][largest / 2], middle[axis]);
+        let axes = [main_axis(*edge), (main_axis(*edge) + 1) % 3, (main_axis(*edge) + 2) % 3];
+        let along = middle[axes[0]];
+        encode_int(&mut encoder, &mut models.along[largest / 2], along);
+        for axis in [axes[1], axes[2]] {
+            let guess = across(along, edge[axes[0]], edge[axis]);
+            encode_int(&mut encoder, &mut models.across[largest / 2], middle[axis].wrapping_sub(guess));
         }
     }
     encoder.finish()
@@ -255,14 +279,19 @@ fn encode_positions(residuals: &[Residuals]) -> Vec<u8> {
 fn decode_positions(stream: Section, residuals: &mut [Residuals]) -> Result<(), Fault> {
     let (mut decoder, mut models) = (Decoder::new(stream.bytes), PositionModels::new());
     for [edge, middle] in residuals {
-        let mut largest = 0;
-        for axis in 0..3 {
-            let (value, class) = decode_int(&mut decoder, &mut models.edge[axis][largest / 2]);
+        let (x, mut largest) = decode_int(&mut decoder, &mut models.first);
+        edge[0] = x;
+        for axis in 1..3 {
+            let (value, class) = decode_int(&mut decoder, &mut models.edge[largest / 2]);
             edge[axis] = value;
             largest = largest.max(class);
         }
-        for axis in 0..3 {
-            middle[axis] = decode_int(&mut decoder, &mut models.middle[axis][largest / 2]).0;
+        let axis = main_axis(*edge);
+        let (along, _) = decode_int(&mut decoder, &mut models.along[largest / 2]);
+        middle[axis] = along;
+        for other in [(axis + 1) % 3, (axis + 2) % 3] {
+            let guess = across(along, edge[axis], edge[other]);
+            middle[other] = guess.wrapping_add(decode_int(&mut decoder, &mut models.across[largest / 2]).0);
         }
     }
     ended(decoder, stream)
