@@ -8,6 +8,7 @@
 //! the link condition of complexes (`dey1999`), and errors are measured, not estimated from quadrics.
 
 mod arrange;
+mod block;
 mod collapse;
 mod measure;
 
@@ -53,6 +54,9 @@ pub fn edge_collapse(
     Ok(EdgeCollapse::new(columns)?)
 }
 
+/// Squares of squares of lengths must fit into an `f32`.
+const MOST_COORDINATE: f32 = 1e9;
+
 fn check(mesh: &TriangleMesh, options: &EdgeCollapseOptions) -> Result<(), BuildError> {
     if let Some(bits) = options.bits.filter(|b| !(10..=24).contains(b)) {
         return Err(BuildError::Bits(bits));
@@ -63,7 +67,7 @@ fn check(mesh: &TriangleMesh, options: &EdgeCollapseOptions) -> Result<(), Build
     if mesh.triangles.len() > 1 << 27 || mesh.positions.len() > 1 << 27 {
         return Err(BuildError::TooLarge(mesh.triangles.len()));
     }
-    if let Some(v) = mesh.positions.iter().position(|p| !p.is_finite()) {
+    if let Some(v) = mesh.positions.iter().position(|p| !(p.abs().max_element() < MOST_COORDINATE)) {
         return Err(BuildError::NotFinite(v as u32));
     }
     let n = mesh.positions.len();

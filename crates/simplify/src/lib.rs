@@ -29,8 +29,8 @@ pub enum BuildError {
     /// There is nothing to draw.
     #[error("the mesh has no triangles; a hierarchy needs at least one")]
     Empty,
-    /// A coordinate is NaN or infinite.
-    #[error("vertex {0} has a coordinate that is not a finite number; clean the mesh first")]
+    /// A coordinate is NaN, infinite or too large to compute with.
+    #[error("vertex {0} has a coordinate that is not a number below 1e9; clean or rescale the mesh first")]
     NotFinite(u32),
     /// A triangle names a vertex that does not exist, or one vertex twice.
     #[error("triangle {0} names a vertex that does not exist, or the same vertex twice; clean the mesh first")]

@@ -224,7 +224,7 @@ fn check_split(h: &EdgeCollapse, m: UpdateId, star: &Star) -> Result<AddedList, 
 /// Appends the needs of one update, without those that another of them needs anyway.
 fn push_reduced(needs: &mut Arcs, direct: &[UpdateId]) {
     // A bounded search finds nearly all that is implied; the rest costs four bytes and changes nothing.
-    const MOST_VISITS: usize = 96;
+    const MOST_VISITS: usize = 12;
     let least = direct.first().copied().unwrap_or(UpdateId(0));
     let mut implied = [false; 3 * Columns::MAX_STAR];
     let mut stack = [UpdateId(0); MOST_VISITS];

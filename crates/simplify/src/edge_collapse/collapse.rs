@@ -1,11 +1,13 @@
-//! The decimation: cheapest edge first, every collapse written down.
+//! The decimation of a whole mesh: rounds of blocks, and the record of all collapses.
 
+use super::block::{Block, DEAD, Limits};
 use crate::metrics::quadric::Quadric;
 use crate::{BuildError, Progress};
-use glam::{DVec3, Vec3};
-use meshfront_hierarchies::edge_collapse::{Columns, Grid, Oct};
+use glam::Vec3;
+use meshfront_hierarchies::edge_collapse::{Grid, Oct};
 use meshfront_mesh::TriangleMesh;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// What happened, fine to coarse.
 ///
@@ -25,8 +27,6 @@ pub(super) struct Record {
     pub star: Vec<StarTriangle>,
     /// Triangles that vanish, end to end.
     pub removed: Vec<Removed>,
-    /// Per collapse: the source vertex in whose place the new version lives.
-    pub slot_of: Vec<u32>,
     /// The triangles that are left, with the versions of their corners.
     pub base: Vec<(u32, [u32; 3])>,
 }
@@ -71,475 +71,257 @@ impl Record {
     }
 }
 
-/// Weight of the planes that hold boundaries and non-manifold edges in place, against the weight of the surface.
-const RIM_WEIGHT: f64 = 10.0;
-/// How strongly a position is held where the quadric leaves it free: see [`Quadric::minimum`].
-const PULL: f64 = 1e-6;
-/// Cost of length where the quadric sees none, relative to the weight: flat regions collapse short edges first.
-const LENGTH_COST: f64 = 1e-9;
-/// What a triangle that stays must keep.
-#[derive(Clone, Copy)]
-struct Guard {
-    /// Its normal may turn by at most the angle of this cosine.
-    cos: f32,
-    /// Its |cross product| over the sum of its squared edges (0.289 when equilateral) may fall to this.
-    shape: f32,
-}
+/// Vertices per block: what a core's second-level cache holds.
+const BLOCK: usize = 8192;
+/// With no more triangles than this there is one block.
+const ONE_BLOCK: usize = 60_000;
+/// A round collapses edges up to this quantile of all costs at its start.
+const ROUND_QUANTILE: f64 = 0.5;
 
-/// Strict first; when nothing is left that keeps the guard, the next one lets through what blocks the rest.
-const GUARDS: [Guard; 3] =
-    [Guard { cos: 0.2, shape: 0.02 }, Guard { cos: 0.0, shape: 0.005 }, Guard { cos: -0.5, shape: 0.0 }];
-
-const DEAD: u32 = u32::MAX;
-/// Bit of a queued edge's first version: its best point was refused, it waits with the cost of the next best.
-const SECOND_CHOICE: u32 = 1 << 31;
-
-/// Triangles of one vertex: a span of `Mesh::around`.
-#[derive(Clone, Copy, Default)]
-struct Span {
-    start: u32,
-    len: u32,
-}
-
-struct Mesh {
+/// The mesh between rounds, in the source's numbers.
+struct Whole {
     points: Vec<Vec3>,
     quadrics: Vec<Quadric>,
     triangles: Vec<[u32; 3]>,
-    /// Lists of triangles per vertex; a collapse appends the new vertex's list. Dead triangles stay in.
-    around: Vec<u32>,
-    spans: Vec<Span>,
+    bow_tie: Vec<bool>,
     /// Version that lives in each vertex; `DEAD` where it has been merged away.
     version: Vec<u32>,
-    /// Vertices where fans meet that share no edge.
-    bow_tie: Vec<bool>,
+    live_vertices: Vec<u32>,
+    live_triangles: Vec<u32>,
 }
 
+/// A block with the whole's numbers of its vertices and triangles.
+#[derive(Default)]
+struct Part {
+    vertices: Vec<u32>,
+    triangles: Vec<u32>,
+    corners: Vec<[u32; 3]>,
+    rim: Vec<u32>,
+    block: Block,
+    edges: Vec<(f32, [u32; 2])>,
+}
+
+/// Decimates in rounds. In a round the mesh is cut into blocks, and each is decimated on its own, in its core's
+/// cache, up to a cost that is the same for all; what lies along the cuts waits for the next round, which cuts
+/// elsewhere. So the order of collapses stays close to that of one queue. The last round has one block and no
+/// limit. Nothing depends on the number of threads.
 pub(super) fn collapse(
     source: &TriangleMesh,
     grid: Option<Grid>,
     base_triangles: usize,
     progress: &dyn Progress,
 ) -> Result<Record, BuildError> {
-    let n = source.positions.len();
     let count = source.triangles.len();
     progress.phase("simplify", "triangles", count as u64);
-    let mut mesh = Mesh::new(source, grid);
-    let mut record = Record {
-        leaves: n as u32,
-        positions: Vec::with_capacity(2 * n),
-        normals: source.vertex.normals.iter().map(|&v| Oct::encode(v)).collect(),
-        colors: source.vertex.colors.clone(),
-        collapses: Vec::with_capacity(n),
-        star: Vec::with_capacity(7 * n),
-        removed: Vec::with_capacity(count),
-        slot_of: Vec::with_capacity(n),
-        base: vec![],
+    let mut whole = Whole::new(source, grid);
+    let mut record = Record::new(source, &whole.points);
+    let gone = AtomicUsize::new(0);
+    let tell = |vanished: usize| {
+        progress.at((gone.fetch_add(vanished, Relaxed) + vanished) as u64);
+        progress.cancelled()
     };
-    record.positions.extend_from_slice(&mesh.points);
-
-    let mut queue = Queue::new();
-    for (cost, edge) in mesh.all_edges() {
-        queue.push(cost, edge);
-    }
-    let mut alive = count;
-    // Edges that were refused; what stands in their way may go.
-    let mut refused: Vec<[u32; 2]> = vec![];
-    let mut progressed = false;
-    let mut guards = GUARDS.into_iter();
-    let mut guard = guards.next().expect("there is a strictest");
-    let mut step = Step::default();
-    while alive > base_triangles {
-        let Some([first, second]) = queue.pop() else {
-            if !std::mem::take(&mut progressed) {
-                match guards.next() {
-                    Some(weaker) => guard = weaker,
-                    None => break, // nothing that is left may go
-                }
-            }
-            for edge in std::mem::take(&mut refused) {
-                if let Some([u, v]) = mesh.live(&record, edge) {
-                    queue.push(mesh.cost(u, v).0, edge);
-                }
-            }
-            continue;
-        };
-        let edge = [first & !SECOND_CHOICE, second];
-        let Some([u, v]) = mesh.live(&record, edge) else { continue };
-        if !step.gather(&mesh, u, v) {
-            refused.push(edge);
-            continue;
-        }
-        let snap = |p: Vec3| grid.map_or(p, |g| g.snap(p));
-        let point = if first & SECOND_CHOICE == 0 {
-            let point = snap(mesh.cost(u, v).1);
-            if step.keeps_shape(&mesh, u, v, point, guard) {
-                point
-            } else {
-                match mesh.second_choices(u, v).find(|&(_, p)| step.keeps_shape(&mesh, u, v, snap(p), guard)) {
-                    Some((cost, _)) => queue.push(cost, [edge[0] | SECOND_CHOICE, edge[1]]),
-                    None => refused.push(edge),
-                }
-                continue;
-            }
+    let mut stuck = false;
+    for round in 0.. {
+        let last = stuck || whole.live_triangles.len() <= ONE_BLOCK;
+        let mut parts = whole.cut(if last { usize::MAX } else { BLOCK }, round);
+        let limits = if last {
+            Limits { cost: f32::INFINITY, triangles: base_triangles }
         } else {
-            match mesh.second_choices(u, v).find(|&(_, p)| step.keeps_shape(&mesh, u, v, snap(p), guard)) {
-                Some((_, p)) => snap(p),
-                None => {
-                    refused.push(edge);
-                    continue;
-                }
-            }
+            Limits { cost: cost_quantile(&parts, ROUND_QUANTILE), triangles: 0 }
         };
-        alive -= step.apply(&mut mesh, &mut record, u, v, point);
-        progressed = true;
-        for &x in &step.ring {
-            let edge = [mesh.version[u as usize], mesh.version[x as usize]];
-            queue.push(mesh.cost(u, x).0, edge);
+        parts.par_iter_mut().for_each(|p| p.block.decimate(&p.edges, limits, grid, tell));
+        if progress.cancelled() {
+            return Err(BuildError::Cancelled);
         }
-        if record.collapses.len() % 4096 == 0 {
-            progress.at((count - alive) as u64);
-            if progress.cancelled() {
-                return Err(BuildError::Cancelled);
-            }
+        for part in &parts {
+            whole.merge(part, &mut record);
         }
+        let before = whole.live_triangles.len();
+        whole.forget_dead();
+        if last {
+            break;
+        }
+        // A round that achieved little is not worth another cut.
+        stuck = whole.live_triangles.len() > before - before / 20;
     }
-    record.base = (0..count as u32)
-        .filter(|&t| mesh.triangles[t as usize][0] != DEAD)
-        .map(|t| (t, mesh.triangles[t as usize].map(|slot| mesh.version[slot as usize])))
-        .collect();
+    let corners = |t: u32| whole.triangles[t as usize].map(|v| whole.version[v as usize]);
+    record.base = whole.live_triangles.iter().map(|&t| (t, corners(t))).collect();
     Ok(record)
 }
 
-impl Mesh {
-    fn new(source: &TriangleMesh, grid: Option<Grid>) -> Mesh {
-        let n = source.positions.len();
+impl Whole {
+    fn new(source: &TriangleMesh, grid: Option<Grid>) -> Whole {
+        let n = source.positions.len() as u32;
+        let points: Vec<Vec3> = source.positions.par_iter().map(|&p| grid.map_or(p, |g| g.snap(p))).collect();
         let triangles: Vec<[u32; 3]> = source.triangles.iter().map(|t| t.map(|v| v.0)).collect();
-        let mut spans = vec![Span::default(); n];
-        for &v in triangles.iter().flatten() {
-            spans[v as usize].len += 1;
-        }
-        let mut end = 0;
-        for s in &mut spans {
-            s.start = end;
-            end += s.len;
-            s.len = 0;
-        }
-        let mut around = Vec::with_capacity(end as usize + 7 * n);
-        around.resize(end as usize, 0);
-        for (t, corners) in triangles.iter().enumerate() {
-            for &v in corners {
-                let s = &mut spans[v as usize];
-                around[(s.start + s.len) as usize] = t as u32;
-                s.len += 1;
-            }
-        }
-        let mut mesh = Mesh {
-            points: source.positions.par_iter().map(|&p| grid.map_or(p, |g| g.snap(p))).collect(),
-            quadrics: vec![],
+        let all = Block::new(points.clone(), triangles.clone());
+        let first = (0..n).into_par_iter().map(|v| all.first_quadric(&source.positions, v));
+        let (quadrics, bow_tie): (Vec<_>, Vec<_>) = first.unzip();
+        let mut used = vec![false; n as usize];
+        triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+        Whole {
+            points,
+            quadrics,
+            live_triangles: (0..triangles.len() as u32).collect(),
+            live_vertices: (0..n).filter(|&v| used[v as usize]).collect(),
             triangles,
-            around,
-            spans,
-            version: (0..n as u32).collect(),
-            bow_tie: vec![],
-        };
-        let per_vertex: Vec<(Quadric, bool)> =
-            (0..n as u32).into_par_iter().map(|v| mesh.first_quadric(&source.positions, v)).collect();
-        (mesh.quadrics, mesh.bow_tie) = per_vertex.into_iter().unzip();
-        mesh
-    }
-
-    fn triangles_of(&self, v: u32) -> impl Iterator<Item = u32> + '_ {
-        let s = self.spans[v as usize];
-        let list = &self.around[s.start as usize..(s.start + s.len) as usize];
-        list.iter().copied().filter(|&t| self.triangles[t as usize][0] != DEAD)
-    }
-
-    /// (after, before): the other corners of a triangle of `v`, in its orientation.
-    #[inline]
-    fn others(&self, t: u32, v: u32) -> (u32, u32) {
-        let [a, b, c] = self.triangles[t as usize];
-        if a == v {
-            (b, c)
-        } else if b == v {
-            (c, a)
-        } else {
-            (a, b)
+            bow_tie,
+            version: (0..n).collect(),
         }
     }
 
-    /// A source vertex's quadric, and whether it is a bow tie.
-    fn first_quadric(&self, points: &[Vec3], v: u32) -> (Quadric, bool) {
-        let mut q = Quadric::default();
-        let mut edges: Vec<[u32; 2]> = vec![];
-        let at = |v: u32| points[v as usize].as_dvec3();
-        let p = at(v);
-        for t in self.triangles_of(v) {
-            let (a, b) = self.others(t, v);
-            edges.push([a, b]);
-            let cross = (at(a) - p).cross(at(b) - p);
-            let area = 0.5 * cross.length();
-            if area > 0.0 {
-                let n = cross / (2.0 * area);
-                q += Quadric::plane(n, -n.dot(p), area / 3.0);
+    /// Cuts into blocks of at most `most` vertices, at places that differ from round to round.
+    fn cut(&mut self, most: usize, round: usize) -> Vec<Part> {
+        // Off the middle by another amount in each round.
+        let fraction = [0.5, 0.41, 0.57, 0.46, 0.38, 0.6][round % 6];
+        let mut ranges = vec![];
+        split(&self.points, &mut self.live_vertices, most, fraction, &mut ranges);
+        let mut owner = vec![(0u32, 0u32); self.points.len()];
+        let mut parts: Vec<Part> = vec![];
+        let mut rest = &mut self.live_vertices[..];
+        for len in ranges {
+            let (vertices, tail) = rest.split_at_mut(len);
+            rest = tail;
+            // In the source's order, which is mostly a good one for the cache.
+            vertices.sort_unstable();
+            for (local, &v) in vertices.iter().enumerate() {
+                owner[v as usize] = (parts.len() as u32, local as u32);
+            }
+            parts.push(Part { vertices: vertices.to_vec(), ..Part::default() });
+        }
+        for &t in &self.live_triangles {
+            let owners = self.triangles[t as usize].map(|v| owner[v as usize]);
+            if owners[0].0 == owners[1].0 && owners[1].0 == owners[2].0 {
+                let part = &mut parts[owners[0].0 as usize];
+                part.triangles.push(t);
+                part.corners.push(owners.map(|o| o.1));
+            } else {
+                for (part, local) in owners {
+                    parts[part as usize].rim.push(local);
+                }
             }
         }
-        for t in self.triangles_of(v) {
-            let (a, b) = self.others(t, v);
-            for x in [a, b] {
-                let uses = edges.iter().filter(|e| e.contains(&x)).count();
-                let edge = at(x) - p;
-                let normal = (at(a) - p).cross(at(b) - p);
-                let plane = edge.cross(normal);
-                if uses != 2 && plane.length_squared() > 0.0 {
-                    let n = plane.normalize();
-                    q += Quadric::plane(n, -n.dot(p), RIM_WEIGHT * edge.length_squared() / uses as f64);
-                }
+        parts.par_iter_mut().for_each(|part| {
+            let all = |v: &u32| *v as usize;
+            let points = part.vertices.iter().map(|v| self.points[all(v)]).collect();
+            part.block = Block::new(points, std::mem::take(&mut part.corners));
+            part.block.quadrics = part.vertices.iter().map(|v| self.quadrics[all(v)]).collect();
+            part.block.bow_tie = part.vertices.iter().map(|v| self.bow_tie[all(v)]).collect();
+            for &local in &part.rim {
+                part.block.locked[local as usize] = true;
             }
-        }
-        (q, fans(&mut edges) > 1)
+            part.edges = part.block.edges();
+        });
+        parts
     }
 
-    /// All edges with their costs, in a fixed order.
-    fn all_edges(&self) -> Vec<(f32, [u32; 2])> {
-        let edges_of = |v: u32| {
-            let mut more: Vec<u32> =
-                self.triangles_of(v).flat_map(|t| <[u32; 2]>::from(self.others(t, v))).filter(|&x| x > v).collect();
-            more.sort_unstable();
-            more.dedup();
-            more.into_iter().map(move |x| (self.cost(v, x).0, [v, x])).collect::<Vec<_>>()
-        };
-        (0..self.points.len() as u32).into_par_iter().flat_map_iter(edges_of).collect()
-    }
-
-    /// What it costs to merge two vertices, and where the merged one goes.
-    #[inline]
-    fn cost(&self, u: u32, v: u32) -> (f32, Vec3) {
-        let q = self.quadrics[u as usize] + self.quadrics[v as usize];
-        let (pu, pv) = (self.points[u as usize].as_dvec3(), self.points[v as usize].as_dvec3());
-        let middle = (pu + pv) * 0.5;
-        let length_squared = pu.distance_squared(pv);
-        let near = |x: &DVec3| x.distance_squared(middle) <= 4.0 * length_squared;
-        let (cost, x) = match q.minimum(middle, PULL).filter(near) {
-            Some(x) => (q.at(x), x),
-            None => {
-                let (cu, cv, cm) = (q.at(pu), q.at(pv), q.at(middle));
-                if cm <= cu && cm <= cv {
-                    (cm, middle)
-                } else if cu <= cv {
-                    (cu, pu)
-                } else {
-                    (cv, pv)
-                }
-            }
-        };
-        let weight = q.a[0] + q.a[3] + q.a[5];
-        ((cost.max(0.0) + LENGTH_COST * weight * length_squared) as f32, x.as_vec3())
-    }
-
-    /// Middle and ends of an edge with their costs, cheapest first.
-    fn second_choices(&self, u: u32, v: u32) -> impl Iterator<Item = (f32, Vec3)> {
-        let q = self.quadrics[u as usize] + self.quadrics[v as usize];
-        let (pu, pv) = (self.points[u as usize], self.points[v as usize]);
-        let mut choices = [(pu + pv) * 0.5, pu, pv].map(|p| (q.at(p.as_dvec3()).max(0.0) as f32, p));
-        choices.sort_by(|a, b| a.0.total_cmp(&b.0));
-        choices.into_iter()
-    }
-
-    /// The vertices of a queued edge, where both versions still live.
-    #[inline]
-    fn live(&self, record: &Record, edge: [u32; 2]) -> Option<[u32; 2]> {
-        let slot = |version: u32| match version.checked_sub(record.leaves) {
-            None => version,
-            Some(i) => record.slot_of[i as usize],
-        };
-        let [u, v] = edge.map(slot);
-        (self.version[u as usize] == edge[0] && self.version[v as usize] == edge[1]).then_some([u, v])
-    }
-}
-
-/// Into how many connected fans the edges opposite to a vertex fall.
-fn fans(edges: &mut Vec<[u32; 2]>) -> usize {
-    let mut fans = 0;
-    let mut frontier = vec![];
-    while let Some(first) = edges.pop() {
-        fans += 1;
-        frontier.extend(first);
-        while let Some(x) = frontier.pop() {
-            edges.retain(|e| {
-                let meets = e.contains(&x);
-                if meets {
-                    frontier.extend(e);
-                }
-                !meets
+    /// Takes over what a block did.
+    fn merge(&mut self, part: &Part, record: &mut Record) {
+        let (block, log) = (&part.block, &part.block.log);
+        let n = part.vertices.len() as u32;
+        let first = record.leaves + record.collapses.len() as u32;
+        let before: Vec<u32> = part.vertices.iter().map(|&v| self.version[v as usize]).collect();
+        let version = |local: u32| if local < n { before[local as usize] } else { first + local - n };
+        let triangle = |local: u32| part.triangles[local as usize];
+        let (star_start, removed_start) = (record.star.len() as u32, record.removed.len() as u32);
+        record.star.extend(log.star.iter().map(|&[t, after, before]| StarTriangle {
+            triangle: triangle(t),
+            after: version(after),
+            before: version(before),
+        }));
+        record.removed.extend(log.removed.iter().map(|&(t, w, flipped)| Removed {
+            triangle: triangle(t),
+            w: version(w),
+            flipped,
+        }));
+        for c in &log.collapses {
+            let [u, v] = c.versions.map(version);
+            record.carry([u, v], c.point);
+            record.collapses.push(Collapse {
+                u,
+                v,
+                star_end: star_start + c.star_end,
+                from_u: c.from_u,
+                removed_end: removed_start + c.removed_end,
             });
         }
-    }
-    fans
-}
-
-/// Scratch of one attempt.
-#[derive(Default)]
-struct Step {
-    /// Triangles that stay, around u and around v: (triangle, after, before).
-    stay_u: Vec<(u32, u32, u32)>,
-    stay_v: Vec<(u32, u32, u32)>,
-    /// Triangles on the edge: (triangle, third corner, whether it reads (v, w, u)).
-    shared: Vec<(u32, u32, bool)>,
-    /// Neighbours of u and of v, with the number of triangles on the edge to them.
-    near_u: Vec<(u32, u32)>,
-    near_v: Vec<(u32, u32)>,
-    /// Neighbours of the merged vertex.
-    ring: Vec<u32>,
-}
-
-fn count_neighbours(near: &mut Vec<(u32, u32)>, triangle: (u32, u32)) {
-    for x in <[u32; 2]>::from(triangle) {
-        match near.iter_mut().find(|(y, _)| *y == x) {
-            Some((_, n)) => *n += 1,
-            None => near.push((x, 1)),
+        for (local, &v) in part.vertices.iter().enumerate() {
+            let v = v as usize;
+            self.version[v] = match block.version[local] {
+                DEAD => DEAD,
+                alive => version(alive),
+            };
+            (self.points[v], self.quadrics[v], self.bow_tie[v]) =
+                (block.points[local], block.quadrics[local], block.bow_tie[local]);
         }
+        for (local, &t) in part.triangles.iter().enumerate() {
+            self.triangles[t as usize] = match block.triangles[local] {
+                [DEAD, ..] => [DEAD; 3],
+                corners => corners.map(|c| part.vertices[c as usize]),
+            };
+        }
+    }
+
+    fn forget_dead(&mut self) {
+        let Whole { version, triangles, live_vertices, live_triangles, .. } = self;
+        live_vertices.retain(|&v| version[v as usize] != DEAD);
+        live_triangles.retain(|&t| triangles[t as usize][0] != DEAD);
     }
 }
 
-fn uses(near: &[(u32, u32)], x: u32) -> u32 {
-    near.iter().find(|(y, _)| *y == x).map_or(0, |(_, n)| *n)
+/// Sorts vertices into boxes of at most `most`, end to end, by cutting the longest side again and again.
+fn split(points: &[Vec3], vertices: &mut [u32], most: usize, fraction: f64, lengths: &mut Vec<usize>) {
+    if vertices.len() <= most {
+        lengths.push(vertices.len());
+        return;
+    }
+    let mut min = Vec3::INFINITY;
+    let mut max = Vec3::NEG_INFINITY;
+    for &v in vertices.iter() {
+        (min, max) = (min.min(points[v as usize]), max.max(points[v as usize]));
+    }
+    let axis = (max - min).max_position();
+    let middle = ((vertices.len() as f64 * fraction) as usize).clamp(1, vertices.len() - 1);
+    // Ties go by number: the same cut on every machine.
+    let key = |&v: &u32| (order(points[v as usize][axis]), v);
+    vertices.select_nth_unstable_by_key(middle, key);
+    let (low, high) = vertices.split_at_mut(middle);
+    split(points, low, most, fraction, lengths);
+    split(points, high, most, fraction, lengths);
 }
 
-impl Step {
-    /// Collects both stars; `false` where merging would change the topology (link condition for complexes,
-    /// `dey1999`, where an edge with other than two triangles counts as a rim) or exceed what a split may hold.
-    fn gather(&mut self, mesh: &Mesh, u: u32, v: u32) -> bool {
-        let Step { stay_u, stay_v, shared, near_u, near_v, ring } = self;
-        for list in [&mut *stay_u, &mut *stay_v] {
-            list.clear();
-        }
-        shared.clear();
-        near_u.clear();
-        near_v.clear();
-        ring.clear();
-        for t in mesh.triangles_of(u) {
-            let (after, before) = mesh.others(t, u);
-            if after == v {
-                shared.push((t, before, true)); // (u, v, w) reads (v, w, u)
-            } else if before == v {
-                shared.push((t, after, false)); // (u, w, v)
-            } else {
-                stay_u.push((t, after, before));
-            }
-            count_neighbours(near_u, (after, before));
-            if stay_u.len() > Columns::MAX_STAR {
-                return false;
-            }
-        }
-        for t in mesh.triangles_of(v) {
-            let (after, before) = mesh.others(t, v);
-            if after != u && before != u {
-                stay_v.push((t, after, before));
-            }
-            count_neighbours(near_v, (after, before));
-            if stay_u.len() + stay_v.len() > Columns::MAX_STAR {
-                return false;
-            }
-        }
-        if shared.is_empty() || stay_u.len() + stay_v.len() == 0 {
-            return false;
-        }
-        let is_third = |x: u32| shared.iter().any(|&(_, w, _)| w == x);
-        for (i, &(_, w, _)) in shared.iter().enumerate() {
-            if shared[..i].iter().any(|&(_, other, _)| other == w) {
-                return false; // two triangles with the same corners
-            }
-            if uses(near_u, w) != 2 && uses(near_v, w) != 2 {
-                return false; // two rims would become one
-            }
-        }
-        for &(x, _) in near_u.iter() {
-            if x != v && uses(near_v, x) > 0 && !is_third(x) {
-                return false; // a cycle of three edges without a triangle would close
-            }
-        }
-        for &(_, a, b) in stay_u.iter() {
-            if is_third(a) && is_third(b) && stay_v.iter().any(|&(_, c, d)| (c, d) == (a, b) || (c, d) == (b, a)) {
-                return false; // two triangles would become one
-            }
-        }
-        let rims = |near: &[(u32, u32)]| near.iter().filter(|(_, n)| *n != 2).count();
-        let (rims_u, rims_v) = (rims(near_u), rims(near_v));
-        let (tie_u, tie_v) = (mesh.bow_tie[u as usize], mesh.bow_tie[v as usize]);
-        if (rims_u > 0 || tie_u) && (rims_v > 0 || tie_v) {
-            let end = |rims: usize, tie: bool| tie || (rims != 0 && rims != 2);
-            if shared.len() == 2 || (end(rims_u, tie_u) && end(rims_v, tie_v)) {
-                return false; // two rims would touch, or two of their ends
-            }
-        }
-        ring.extend(near_u.iter().map(|e| e.0).filter(|&x| x != v));
-        ring.extend(near_v.iter().map(|e| e.0).filter(|&x| x != u && !is_third(x)));
-        true
-    }
+/// An integer that sorts as a finite number does.
+fn order(x: f32) -> i32 {
+    let bits = x.to_bits() as i32;
+    bits ^ ((bits >> 31) as u32 >> 1) as i32
+}
 
-    /// Whether no triangle that stays flips or becomes a sliver.
-    fn keeps_shape(&self, mesh: &Mesh, u: u32, v: u32, point: Vec3, guard: Guard) -> bool {
-        let at = |x: u32| mesh.points[x as usize];
-        let ok = |old: Vec3, &(_, a, b): &(u32, u32, u32)| {
-            let (a, b) = (at(a), at(b));
-            let before = (a - old).cross(b - old);
-            let after = (a - point).cross(b - point);
-            let (area_before, area_after) = (before.length(), after.length());
-            if area_before == 0.0 {
-                return true;
-            }
-            if before.dot(after) < guard.cos * area_before * area_after || area_after == 0.0 {
-                return false;
-            }
-            let edges = |p: Vec3| (a - p).length_squared() + (b - p).length_squared() + (a - b).length_squared();
-            let shape_after = area_after / edges(point);
-            shape_after >= guard.shape || shape_after >= area_before / edges(old)
-        };
-        self.stay_u.iter().all(|t| ok(at(u), t)) && self.stay_v.iter().all(|t| ok(at(v), t))
+fn cost_quantile(parts: &[Part], quantile: f64) -> f32 {
+    let mut costs: Vec<f32> = parts.iter().flat_map(|p| p.edges.iter().map(|e| e.0)).collect();
+    if costs.is_empty() {
+        return 0.0;
     }
-
-    /// Merges v into u's slot and records it; returns how many triangles vanished.
-    fn apply(&mut self, mesh: &mut Mesh, record: &mut Record, u: u32, v: u32, point: Vec3) -> usize {
-        let versions = [mesh.version[u as usize], mesh.version[v as usize]];
-        record.carry(versions, point);
-        let start = mesh.around.len() as u32;
-        for &(t, after, before) in self.stay_u.iter().chain(&self.stay_v) {
-            mesh.around.push(t);
-            let version = |x: u32| mesh.version[x as usize];
-            record.star.push(StarTriangle { triangle: t, after: version(after), before: version(before) });
-        }
-        for &(t, _, _) in &self.stay_v {
-            for corner in &mut mesh.triangles[t as usize] {
-                if *corner == v {
-                    *corner = u;
-                }
-            }
-        }
-        for &(t, w, flipped) in &self.shared {
-            mesh.triangles[t as usize] = [DEAD; 3];
-            record.removed.push(Removed { triangle: t, w: mesh.version[w as usize], flipped });
-        }
-        record.collapses.push(Collapse {
-            u: versions[0],
-            v: versions[1],
-            star_end: record.star.len() as u32,
-            from_u: self.stay_u.len() as u32,
-            removed_end: record.removed.len() as u32,
-        });
-        record.slot_of.push(u);
-        mesh.spans[u as usize] = Span { start, len: mesh.around.len() as u32 - start };
-        mesh.points[u as usize] = point;
-        mesh.version[u as usize] = record.leaves + record.collapses.len() as u32 - 1;
-        mesh.version[v as usize] = DEAD;
-        let q = mesh.quadrics[v as usize];
-        mesh.quadrics[u as usize] += q;
-        let tie = mesh.bow_tie[v as usize];
-        mesh.bow_tie[u as usize] |= tie;
-        self.shared.len()
-    }
+    let k = ((costs.len() - 1) as f64 * quantile) as usize;
+    *costs.select_nth_unstable_by(k, f32::total_cmp).1
 }
 
 impl Record {
+    fn new(source: &TriangleMesh, points: &[Vec3]) -> Record {
+        let n = points.len();
+        let mut positions = Vec::with_capacity(2 * n);
+        positions.extend_from_slice(points);
+        Record {
+            leaves: n as u32,
+            positions,
+            normals: source.vertex.normals.iter().map(|&v| Oct::encode(v)).collect(),
+            colors: source.vertex.colors.clone(),
+            collapses: Vec::with_capacity(n),
+            star: Vec::with_capacity(7 * n),
+            removed: Vec::with_capacity(source.triangles.len()),
+            base: vec![],
+        }
+    }
+
     /// The new version's position, normal and colour: attributes as at the nearest point of the edge.
     fn carry(&mut self, [u, v]: [u32; 2], point: Vec3) {
         let (pu, pv) = (self.positions[u as usize], self.positions[v as usize]);
@@ -555,37 +337,5 @@ impl Record {
             let mix = |k: usize| (cu[k] as f32 + (cv[k] as f32 - cu[k] as f32) * t).round() as u8;
             self.colors.push(std::array::from_fn(mix));
         }
-    }
-}
-
-/// A priority queue by cost to within 1/256: buckets by the leading bits of the `f32`. Last in, first out inside a
-/// bucket. Constant time where a heap of as many millions waits for memory.
-struct Queue {
-    buckets: Vec<Vec<[u32; 2]>>,
-    lowest: usize,
-}
-
-impl Queue {
-    /// Sign, exponent and 8 bits of mantissa are kept.
-    const SHIFT: u32 = 15;
-
-    fn new() -> Queue {
-        Queue { buckets: vec![vec![]; 1 << (32 - 1 - Queue::SHIFT)], lowest: 0 }
-    }
-    #[inline]
-    fn push(&mut self, cost: f32, edge: [u32; 2]) {
-        let bucket = (cost.to_bits() >> Queue::SHIFT) as usize;
-        let bucket = bucket.min(self.buckets.len() - 1);
-        self.buckets[bucket].push(edge);
-        self.lowest = self.lowest.min(bucket);
-    }
-    fn pop(&mut self) -> Option<[u32; 2]> {
-        while self.lowest < self.buckets.len() {
-            if let Some(edge) = self.buckets[self.lowest].pop() {
-                return Some(edge);
-            }
-            self.lowest += 1;
-        }
-        None
     }
 }

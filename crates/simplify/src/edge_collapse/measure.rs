@@ -11,6 +11,7 @@
 use super::collapse::Record;
 use crate::{BuildError, Progress};
 use glam::Vec3;
+use meshfront_hierarchies::edge_collapse::Columns;
 use meshfront_mesh::TriangleMesh;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
@@ -60,12 +61,16 @@ pub(super) fn measure(source: &TriangleMesh, record: &Record, progress: &dyn Pro
     Ok(Errors { collapses: squared.into_iter().map(root).collect(), floor: root(floor) })
 }
 
-/// Where points go next.
+/// Where a point goes next: `collapse << 5 | place`, the place of its triangle in the collapse's star, or `VANISHES`.
+type Way = u32;
+const VANISHES: u32 = 31;
+const _: () = assert!(Columns::MAX_STAR <= VANISHES as usize);
+
 struct Ways {
-    /// Per source triangle: the first collapse that touches it.
-    first: Vec<u32>,
-    /// Parallel to `Record::star`: the next collapse that touches that triangle.
-    next: Vec<u32>,
+    /// Per source triangle: where its points go first.
+    first: Vec<Way>,
+    /// Parallel to `Record::star`: where the points on that cell go next.
+    next: Vec<Way>,
 }
 
 impl Ways {
@@ -73,13 +78,12 @@ impl Ways {
         let mut touch = vec![NONE; triangles];
         let mut next = vec![NONE; record.star.len()];
         for i in (0..record.collapses.len()).rev() {
-            for e in record.star_of(i) {
+            for (place, e) in record.star_of(i).enumerate() {
                 let t = record.star[e].triangle as usize;
-                next[e] = touch[t];
-                touch[t] = i as u32;
+                next[e] = std::mem::replace(&mut touch[t], (i as u32) << 5 | place as u32);
             }
             for r in record.removed_of(i) {
-                touch[r.triangle as usize] = i as u32;
+                touch[r.triangle as usize] = (i as u32) << 5 | VANISHES;
             }
         }
         Ways { first: touch, next }
@@ -96,62 +100,77 @@ fn raise(cell: &AtomicU32, value: f32) {
 }
 
 /// Follows a point from a source triangle through at most `steps` collapses.
-#[inline]
 fn follow(record: &Record, ways: &Ways, squared: &[AtomicU32], p: Vec3, triangle: u32, steps: u32) {
-    let mut i = ways.first[triangle as usize];
+    let mut way = ways.first[triangle as usize];
     let mut left = steps;
-    while i != NONE && left > 0 {
+    while way != NONE && left > 0 {
         left -= 1;
-        let s = record.positions[record.leaves as usize + i as usize] - p;
-        let (mut best, mut way) = (f32::INFINITY, NONE);
-        for e in record.star_of(i as usize) {
+        let i = (way >> 5) as usize;
+        let star = record.star_of(i);
+        let s = record.positions[record.leaves as usize + i] - p;
+        let distance = |e: usize| {
             let cell = record.star[e];
             let a = record.positions[cell.after as usize] - p;
             let b = record.positions[cell.before as usize] - p;
-            let d = squared_distance_from_origin(s, a, b);
+            nearest(s, a, b)
+        };
+        // Mostly the point's own triangle is still there, and the point still above it: then that is near enough.
+        let place = way & VANISHES;
+        if place != VANISHES {
+            let own = star.start + place as usize;
+            if let (d, true) = distance(own) {
+                raise(&squared[i], d);
+                way = ways.next[own];
+                continue;
+            }
+        }
+        let mut best = f32::INFINITY;
+        way = ways.next[star.start];
+        for e in star {
+            let (d, _) = distance(e);
             if d < best {
                 (best, way) = (d, ways.next[e]);
             }
         }
-        raise(&squared[i as usize], best);
-        i = way;
+        raise(&squared[i], best);
     }
 }
 
-/// Squared distance of the origin from a triangle (`ericson2005`, 5.1.5: by the region of the nearest point).
+/// Squared distance of the origin from a triangle, and whether the origin is above its inside (`ericson2005`, 5.1.5:
+/// by the region of the nearest point).
 #[inline]
-fn squared_distance_from_origin(a: Vec3, b: Vec3, c: Vec3) -> f32 {
+fn nearest(a: Vec3, b: Vec3, c: Vec3) -> (f32, bool) {
     let (ab, ac) = (b - a, c - a);
     let (d1, d2) = (-ab.dot(a), -ac.dot(a));
     if d1 <= 0.0 && d2 <= 0.0 {
-        return a.length_squared();
+        return (a.length_squared(), false);
     }
     let (d3, d4) = (-ab.dot(b), -ac.dot(b));
     if d3 >= 0.0 && d4 <= d3 {
-        return b.length_squared();
+        return (b.length_squared(), false);
     }
     let vc = d1 * d4 - d3 * d2;
     if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return (a + ab * (d1 / (d1 - d3))).length_squared();
+        return ((a + ab * (d1 / (d1 - d3))).length_squared(), false);
     }
     let (d5, d6) = (-ab.dot(c), -ac.dot(c));
     if d6 >= 0.0 && d5 <= d6 {
-        return c.length_squared();
+        return (c.length_squared(), false);
     }
     let vb = d5 * d2 - d1 * d6;
     if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return (a + ac * (d2 / (d2 - d6))).length_squared();
+        return ((a + ac * (d2 / (d2 - d6))).length_squared(), false);
     }
     let va = d3 * d6 - d5 * d4;
     if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-        return (b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))).length_squared();
+        return ((b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)))).length_squared(), false);
     }
     let n = ab.cross(ac);
-    if n == Vec3::ZERO {
-        return a.length_squared().min(b.length_squared()).min(c.length_squared());
+    if n.length_squared() < f32::MIN_POSITIVE {
+        return (a.length_squared().min(b.length_squared()).min(c.length_squared()), false);
     }
     let along = n.dot(a);
-    along * along / n.length_squared()
+    (along * along / n.length_squared(), true)
 }
 
 #[cfg(test)]
@@ -176,7 +195,7 @@ mod tests {
                     dense = dense.min(p.length());
                 }
             }
-            let d = squared_distance_from_origin(a, b, c).sqrt();
+            let d = nearest(a, b, c).0.sqrt();
             assert!(d <= dense + 1e-5 && d >= dense - 0.06, "{d} {dense}");
         }
     }
