@@ -1,0 +1,86 @@
+//! Phases of a long job: a bar for each on a terminal, nothing in a pipe, and their times for the summary.
+
+use std::io::IsTerminal;
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use meshfront::simplify::Progress;
+
+use crate::text;
+
+/// Follows the phases of one job.
+pub struct Phases {
+    draw: bool,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    running: Option<(&'static str, Instant, ProgressBar)>,
+    finished: Vec<(&'static str, Duration)>,
+}
+
+impl Phases {
+    /// Draws bars if standard error is a terminal and nobody asked for silence.
+    pub fn new(quiet: bool) -> Phases {
+        Phases { draw: !quiet && std::io::stderr().is_terminal(), state: Mutex::default() }
+    }
+
+    /// A phase of unknown length.
+    pub fn start(&self, name: &'static str) {
+        self.phase(name, "", 0);
+    }
+
+    /// Ends the last phase, and says what took how long: `read 0.41 s, collapse 2.10 s`.
+    pub fn finish(&self) -> String {
+        self.change(|state| {
+            let parts = state.finished.iter().map(|(name, time)| format!("{name} {}", text::seconds(*time)));
+            parts.collect::<Vec<_>>().join(", ")
+        })
+    }
+
+    /// Ends the phase that runs.
+    fn change<T>(&self, then: impl FnOnce(&mut State) -> T) -> T {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((name, start, bar)) = state.running.take() {
+            bar.finish_and_clear();
+            state.finished.push((name, start.elapsed()));
+        }
+        then(&mut state)
+    }
+}
+
+impl Drop for Phases {
+    /// An error leaves no half-drawn bar above its message.
+    fn drop(&mut self) {
+        self.change(|_| ());
+    }
+}
+
+impl Progress for Phases {
+    fn phase(&self, name: &'static str, unit: &'static str, total: u64) {
+        let target = if self.draw { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let (bar, template) = if total == 0 {
+            (ProgressBar::with_draw_target(None, target), "{msg:>10} {spinner} {elapsed}".to_owned())
+        } else {
+            let template =
+                format!("{{msg:>10}} {{wide_bar}} {{human_pos}}/{{human_len}} {unit}, {{per_sec}}, {{eta}} left");
+            (ProgressBar::with_draw_target(Some(total), target), template)
+        };
+        // The templates are the two above: a mistake in them shows in the first test on a terminal, as plain bars.
+        let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
+        let bar = bar.with_style(style).with_message(name);
+        if self.draw {
+            bar.enable_steady_tick(Duration::from_millis(200));
+        }
+        self.change(|state| state.running = Some((name, Instant::now(), bar)));
+    }
+
+    fn at(&self, done: u64) {
+        let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, _, bar)) = &state.running {
+            bar.set_position(done);
+        }
+    }
+}

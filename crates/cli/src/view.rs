@@ -1,0 +1,162 @@
+//! `meshfront view`: the page and the model, served on this machine alone.
+
+use std::io::ErrorKind;
+use std::net::{Ipv4Addr, TcpListener};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use axum::Router;
+use axum::body::Body;
+use axum::extract::Request;
+use axum::http::{HeaderName, HeaderValue, Method, StatusCode, Uri, header};
+use axum::middleware::{self, Next};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use meshfront::format;
+use rust_embed::RustEmbed;
+use serde_json::json;
+use tower_http::services::ServeFile;
+
+use crate::args::{Precision, Threads, View};
+use crate::progress::Phases;
+use crate::{build, input, interrupt, text};
+
+/// The page, as `cargo xtask web` made it before this program was built; empty where it did not.
+#[derive(RustEmbed)]
+#[folder = "../../web/viewer/dist"]
+#[allow_missing = true]
+struct Page;
+
+const NO_PAGE: &str = "this meshfront was built without its page: run `cargo xtask web`, then build it again";
+
+pub fn run(args: &View, quiet: bool) -> Result<()> {
+    if Page::get("index.html").is_none() {
+        bail!(NO_PAGE);
+    }
+    // Before anything that takes time: a port that is taken is known at once.
+    let listener = bind(args.port)?;
+    let name = args.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+
+    // Removed when dropped, and when interrupted.
+    let mut temporary = None;
+    let front = if input::is_front(&args.file)? {
+        args.file.clone()
+    } else {
+        let folder = tempfile::Builder::new().prefix("meshfront-view-").tempdir().context("no temporary folder")?;
+        interrupt::remove_when_interrupted(folder.path());
+        let front = folder.path().join("model.front");
+        let phases = Phases::new(quiet);
+        let precision = Precision { bits: 16, lossless: false };
+        let (hierarchy, _) = build::hierarchy_of(&args.file, precision, Threads::AUTO, &phases)?;
+        interrupt::uninterrupted(|| format::write(&front, &hierarchy, &format::WriteOptions::default()))?;
+        phases.finish();
+        if !quiet {
+            let path = args.file.display();
+            eprintln!(
+                "The hierarchy of {path} is kept only while it is looked at; `meshfront build {path} -o …` keeps it."
+            );
+        }
+        temporary = Some(folder);
+        front
+    };
+    let model = describe(&front, &name, args.credit.as_deref());
+
+    let address = format!("http://{}/", listener.local_addr()?);
+    text::print(&format!("{address}\n"))?;
+    if !quiet {
+        eprintln!("Serving {} on this machine only; Ctrl-C to stop.", args.file.display());
+    }
+    if !args.no_open
+        && let Err(e) = open::that_detached(&address)
+    {
+        eprintln!("No browser could be started ({e}): open the address above in one.");
+    }
+    interrupt::ends_well();
+    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
+    runtime.block_on(async {
+        listener.set_nonblocking(true)?;
+        let listener = tokio::net::TcpListener::from_std(listener)?;
+        axum::serve(listener, router(front, model)).await
+    })?;
+    drop(temporary);
+    Ok(())
+}
+
+fn bind(port: u16) -> Result<TcpListener> {
+    TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|e| match e.kind() {
+        ErrorKind::AddrInUse => anyhow::anyhow!(
+            "port {port} is taken by another program: choose another with --port, or leave --port out to get a free one"
+        ),
+        ErrorKind::PermissionDenied => {
+            anyhow::anyhow!("port {port} may not be used by an ordinary user: choose one above 1023 with --port")
+        }
+        _ => anyhow::Error::new(e).context(format!("port {port} on 127.0.0.1 cannot be opened")),
+    })
+}
+
+/// What the page asks for first. The page itself tells of a damaged file.
+fn describe(front: &Path, name: &str, credit: Option<&str>) -> serde_json::Value {
+    let mut model = json!({ "name": name, "url": "model.front" });
+    if let Ok(info) = format::inspect_file(front) {
+        model["source"] = json!({ "vertices": info.source_vertices, "triangles": info.source_triangles });
+    }
+    if let Some(credit) = credit {
+        model["credit"] = credit.into();
+    }
+    model
+}
+
+fn router(front: PathBuf, model: serde_json::Value) -> Router {
+    let model = model.to_string();
+    Router::new()
+        .route("/model.json", get(|| async { ([(header::CONTENT_TYPE, "application/json")], model) }))
+        .route_service("/model.front", ServeFile::new(front))
+        .fallback(page)
+        .layer(middleware::from_fn(guard))
+}
+
+/// A file of the page.
+async fn page(method: Method, uri: Uri) -> Response {
+    if method != Method::GET && method != Method::HEAD {
+        return StatusCode::METHOD_NOT_ALLOWED.into_response();
+    }
+    let path = match uri.path().trim_start_matches('/') {
+        "" => "index.html",
+        path => path,
+    };
+    match Page::get(path) {
+        Some(file) => {
+            let kind = file.metadata.mimetype().to_owned();
+            ([(header::CONTENT_TYPE, kind)], Body::from(file.data.into_owned())).into_response()
+        }
+        None => (StatusCode::NOT_FOUND, "no such file\n").into_response(),
+    }
+}
+
+/// Headers that every answer has.
+const ALWAYS: [(HeaderName, HeaderValue); 5] = [
+    // The model may be another one the next time that this port serves one.
+    (header::CACHE_CONTROL, HeaderValue::from_static("no-cache")),
+    (header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff")),
+    // Isolated from other sites: their pages cannot read the model, and the worker gets a fine clock.
+    (HeaderName::from_static("cross-origin-opener-policy"), HeaderValue::from_static("same-origin")),
+    (HeaderName::from_static("cross-origin-embedder-policy"), HeaderValue::from_static("require-corp")),
+    (HeaderName::from_static("cross-origin-resource-policy"), HeaderValue::from_static("same-origin")),
+];
+
+/// Refuses requests that came here under another name: a foreign page whose name was rebound to this machine
+/// could read the model otherwise. Any port is right, since people forward ports.
+async fn guard(request: Request, next: Next) -> Response {
+    let host = request.headers().get(header::HOST).and_then(|host| host.to_str().ok()).unwrap_or_default();
+    let name = match host.rsplit_once(':') {
+        Some((name, port)) if port.bytes().all(|b| b.is_ascii_digit()) => name,
+        _ => host,
+    };
+    let mut response = if ["127.0.0.1", "localhost", "[::1]"].iter().any(|local| name.eq_ignore_ascii_case(local)) {
+        next.run(request).await
+    } else {
+        (StatusCode::FORBIDDEN, "this server answers to 127.0.0.1 and localhost only\n").into_response()
+    };
+    response.headers_mut().extend(ALWAYS);
+    response
+}
