@@ -1,0 +1,42 @@
+//! `.front` files: whatever the bytes, an error or columns that are written and read again the same; never a panic, never
+//! much memory. What is read also goes through the check of every split.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use meshfront_format::{decode, encode, inspect};
+use meshfront_hierarchies::EdgeCollapse;
+
+#[path = "../../crates/format/tests/common/checksums.rs"]
+mod checksums;
+
+const SOUND: [&[u8]; 2] = [
+    include_bytes!("../../testdata/front/v1-scan-16-bits.front"),
+    include_bytes!("../../testdata/front/v1-knot-lossless-painted.front"),
+];
+
+fuzz_target!(|data: &[u8]| {
+    let _ = inspect(data, "fuzz");
+    let _ = decode(data, "fuzz");
+    // Checksums keep a fuzzer out: from here on they agree with the damage.
+    let mut file = match data.split_first() {
+        // A sound file with some bytes changed: three bytes an edit, a place and a value.
+        Some((&which, edits)) if which < 128 => {
+            let mut file = SOUND[which as usize % SOUND.len()].to_vec();
+            for edit in edits.chunks_exact(3) {
+                let at = u16::from_le_bytes([edit[0], edit[1]]) as usize % file.len();
+                file[at] = edit[2];
+            }
+            file
+        }
+        // Any bytes.
+        Some((_, bytes)) => bytes.to_vec(),
+        None => return,
+    };
+    checksums::repair(&mut file);
+    let inspected = inspect(&file, "fuzz");
+    let Ok(columns) = decode(&file, "fuzz") else { return };
+    assert_eq!(inspected.expect("decoded").updates as usize, columns.vertex.len());
+    let again = encode(&columns).expect("what is read can be written");
+    assert!(decode(&again, "again").expect("just written") == columns);
+    let _ = EdgeCollapse::new(columns);
+});
