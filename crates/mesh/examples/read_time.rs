@@ -11,13 +11,20 @@ fn main() {
             let start = Instant::now();
             match io::read(&path) {
                 Ok(source) => {
-                    if seconds.is_empty() { println!("{}: {}", path.display(), source.report); }
+                    if seconds.is_empty() {
+                        println!("{}: {}", path.display(), source.report);
+                    }
                 }
-                Err(error) => { println!("{error}"); break; }
+                Err(error) => {
+                    println!("{error}");
+                    break;
+                }
             }
             seconds.push(start.elapsed().as_secs_f64());
         }
         seconds.sort_by(f64::total_cmp);
-        if let Some(s) = seconds.get(2) { println!("    median of 5: {:.1} ms", s * 1e3); }
+        if let Some(s) = seconds.get(2) {
+            println!("    median of 5: {:.1} ms", s * 1e3);
+        }
     }
 }

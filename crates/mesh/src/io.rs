@@ -442,8 +442,9 @@ fn refusal(mesh: &TriangleMesh, format: Format) -> Option<(&'static str, &'stati
         Format::Gltf => Some(("glTF is written as one binary file only", "use the ending .glb")),
         // Lengths in the container are 32 bits: positions, normals, colours and indices, and room for the JSON.
         Format::Glb if 28 * vertices + 12 * triangles + (1 << 16) > u64::from(u32::MAX) => {
-            Some(("a .glb holds no more than 4 GiB", "use .ply, or extract fewer triangles"))
+            Some(("a .glb holds no more than 4 GiB", "use .ply, or write fewer triangles"))
         }
+        Format::Glb if triangles == 0 => Some(("a .glb cannot hold a mesh without triangles", "use .ply")),
         _ => None,
     }
 }

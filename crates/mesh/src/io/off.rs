@@ -83,6 +83,10 @@ pub(super) fn read(bytes: &[u8], ticker: &mut Ticker<'_>) -> Result<Soup, Fail> 
         text.skip_line();
         ticker.at(text.at);
     }
+    text.skip_space_and_comments();
+    if text.remaining() > 0 {
+        return Err(text.unexpected("the end of the file after the faces that it promises"));
+    }
     Ok(soup)
 }
 

@@ -101,6 +101,7 @@ pub(super) fn read(bytes: &[u8], ticker: &mut Ticker<'_>) -> Result<Soup, Fail> 
             _ => reader.others(element, ticker)?,
         }
     }
+    reader.body.end()?;
     // Faces may come before their vertices; that those exist was checked against the header's count.
     Ok(reader.soup)
 }
@@ -346,6 +347,30 @@ impl Body<'_> {
         Ok(())
     }
 
+    /// The end of a row: in a text, of its line. A number too many is noticed where it stands.
+    #[inline]
+    fn end_row(&mut self) -> Result<(), Fail> {
+        match self {
+            Body::Text(text) => match text.line_is_done() {
+                true => Ok(()),
+                false => Err(text.unexpected("the end of the line")),
+            },
+            Body::Binary { .. } => Ok(()),
+        }
+    }
+
+    /// The end of the file, or padding: more rows than the header promises mean that it is damaged.
+    fn end(&mut self) -> Result<(), Fail> {
+        let (at, rest) = match self {
+            Body::Text(text) => (text.at, &text.bytes[text.at..]),
+            Body::Binary { bytes, at, .. } => (*at, &bytes[*at..]),
+        };
+        let Some(more) = rest.iter().position(|b| !b.is_ascii_whitespace() && *b != 0) else { return Ok(()) };
+        let expected = "the end of the file after the elements that the header promises".to_owned();
+        let found = format!("{} more bytes", rest.len() - more);
+        Err(self.fail_at(at + more, ReadErrorKind::Unexpected { expected, found }))
+    }
+
     /// The length of a list whose items are still to come.
     #[inline]
     fn length(&mut self, length: Type, item: Type) -> Result<u64, Fail> {
@@ -423,6 +448,7 @@ impl Reader<'_> {
                     };
                 }
             }
+            self.body.end_row()?;
             mesh.positions.push(Vec3::new(values[0], values[1], values[2]));
             if has_normals {
                 mesh.vertex.normals.push(Vec3::new(values[3], values[4], values[5]));
@@ -465,6 +491,7 @@ impl Reader<'_> {
                     _ => self.body.skip_property(property)?,
                 }
             }
+            self.body.end_row()?;
             ticker.at(self.body.at());
         }
         Ok(())
