@@ -84,13 +84,18 @@ pub fn test(all: bool) -> Result<()> {
     });
     steps.run_after(page, "cargo test", || run(cargo().args(["test", "--locked"]).args(OURS), SAYS_WHY).map(passed));
     let binary = steps.run_after(page, "release binary", || demo::release_binary().map(|_| Outcome::Passed));
-    steps.run_after(page, "vitest", || run(npm().args(["test"]), SAYS_WHY).map(passed));
+    steps.run_after(page, "vitest", || {
+        run(npm().args(["run", "check"]), SAYS_WHY)?;
+        run(npm().args(["test"]), SAYS_WHY).map(passed)
+    });
     steps.run_after(binary, "page in a browser", page_in_a_browser);
     steps.run("cargo deny", || deny(all));
     if all {
         steps.run_after(binary, "long tests", || {
             let mut long = cargo();
             long.args(["test", "--locked", "--release"]).args(OURS).args(["--", "--ignored"]);
+            // Ignored because it writes, not because it takes long.
+            long.args(["--skip", "make_fixtures"]);
             run(long.env(models::DRAGON, models::dragon()?), SAYS_WHY).map(passed)
         });
         steps.run("documentation", || {
