@@ -129,7 +129,10 @@ fn glue(module: &Path) -> Result<()> {
     }
     say("JavaScript glue (its generator takes a while to compile, once)");
     let mut bindgen = cargo();
-    bindgen.args(["run", "--quiet", "--package", "xtask-bindgen", "--"]).args([module, &out]).arg("meshfront_wasm");
+    bindgen
+        .args(["run", "--quiet", "--profile", "tools", "--package", "xtask-bindgen", "--"])
+        .args([module, &out])
+        .arg("meshfront_wasm");
     run(&mut bindgen, "is the version of wasm-bindgen the same for the engine and for the generator in Cargo.toml?")
 }
 
