@@ -13,7 +13,7 @@ use meshfront_format::ReadError;
 use meshfront_hierarchies::EdgeCollapse;
 use meshfront_hierarchies::live::TriangleBuffers;
 use meshfront_refine::criteria::{Region, Scale, Shape, Uniform};
-use meshfront_refine::{AnyFront, Camera, Criterion, MultiTessellation, Outcome, Owned, Request, ViewOptions, view};
+use meshfront_refine::{Camera, MultiTessellation, Outcome, Owned, Request, ViewOptions, view};
 use wasm_bindgen::prelude::*;
 
 use fly_by::FlyBy;
@@ -132,16 +132,16 @@ impl Model {
             [x0, y0, z0, x1, y1, z1, _] => Some(Shape::Box { min: Vec3::new(x0, y0, z0), max: Vec3::new(x1, y1, z1) }),
             _ => return Err(js_sys::RangeError::new("a region has 5 or 7 numbers")),
         };
-        let criterion: Box<dyn Criterion> = match (shape, region.last()) {
+        let Owned { hierarchy, front } = &mut self.owned;
+        let start = now();
+        let outcome = match (shape, region.last()) {
             (Some(shape), Some(&error)) => {
                 // In units of the tolerance, so that one threshold serves both sides.
                 let outside = Scale { inner: Uniform, factor: tolerance_px / error };
-                Box::new(Region { shape, inside, outside })
+                front.adapt(hierarchy, &Region { shape, inside, outside }, &request)
             }
-            _ => Box::new(inside),
+            _ => front.adapt(hierarchy, &inside, &request),
         };
-        let start = now();
-        let outcome = self.owned.adapt(&*criterion, &request);
         Ok(self.frame(outcome, now() - start))
     }
 

@@ -19,11 +19,25 @@ const MOST_RANGES = 4096;
  * Free triangle slots are degenerate, so the whole range is drawn. The bounding sphere is that of the model.
  */
 export function frontGeometry(info: ModelInfo): BufferGeometry {
-  const geometry = new BufferGeometry();
+  const geometry = emptyGeometry();
+  if (info.hasColors) geometry.setAttribute("color", new BufferAttribute(new Uint16Array(), 4, true));
   const [min, max] = [new Vector3(...info.min), new Vector3(...info.max)];
   // Vertices of a coarse front may lie outside of the box of the source, by no more than they are wrong.
   const center = min.clone().add(max).multiplyScalar(0.5);
   geometry.boundingSphere = new Sphere(center, 1.05 * min.distanceTo(max) * 0.5);
+  return geometry;
+}
+
+/**
+ * A geometry with nothing in it that has its attributes all the same: three.js compiles a material's program for the
+ * attributes that it meets first, and shades a mesh flat that had no normals then.
+ */
+export function emptyGeometry(): BufferGeometry {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(new Float32Array(), 3));
+  geometry.setAttribute("normal", new BufferAttribute(new Int16Array(), 4, true));
+  geometry.setAttribute("level", new BufferAttribute(new Uint8Array(), 1));
+  geometry.setIndex(new BufferAttribute(new Uint32Array(), 1));
   return geometry;
 }
 
@@ -60,27 +74,28 @@ function write(target: BufferAttribute, ranges: Uint32Array, packed: Column, slo
   target.needsUpdate = true;
 }
 
-function reserve(geometry: BufferGeometry, frame: FrameUpdate): void {
-  const { vertexSlots, triangleSlots, vertices } = frame;
-  const slots = geometry.getAttribute("position")?.count ?? 0;
-  const corners = geometry.index?.count ?? 0;
-  if (slots >= vertexSlots && corners >= triangleSlots * 3) return;
+function reserve(geometry: BufferGeometry, { vertexSlots, triangleSlots }: FrameUpdate): void {
+  const slots = attribute(geometry, "position").count;
+  const index = geometry.index!;
+  if (slots >= vertexSlots && index.count >= triangleSlots * 3) return;
   // Frees the buffers on the graphics card; those of the new attributes are made when they are first drawn.
   geometry.dispose();
-  // Half as much again: fronts grow over many frames, and every growth uploads everything.
-  const grown = (needed: number, has: number) => (needed > has ? Math.ceil(needed * 1.5) : has);
-  const count = grown(vertexSlots, slots);
-  const column = <T extends Column>(name: string, make: new (length: number) => T, itemSize: number, normalized = false) => {
-    const array = new make(count * itemSize);
-    const old = geometry.getAttribute(name) as BufferAttribute | undefined;
-    if (old) array.set(old.array as T);
-    geometry.setAttribute(name, new BufferAttribute(array, itemSize, normalized).setUsage(DynamicDrawUsage));
-  };
-  column("position", Float32Array, 3);
-  column("normal", Int16Array, 4, true);
-  column("level", Uint8Array, 1);
-  if (vertices.colors.length > 0 || geometry.hasAttribute("color")) column("color", Uint16Array, 4, true);
-  const index = new Uint32Array(grown(triangleSlots * 3, corners));
-  if (geometry.index) index.set(geometry.index.array as Uint32Array);
-  geometry.setIndex(new BufferAttribute(index, 1).setUsage(DynamicDrawUsage));
+  if (slots < vertexSlots) {
+    for (const name of Object.keys(geometry.attributes)) {
+      geometry.setAttribute(name, longer(attribute(geometry, name), grown(vertexSlots)));
+    }
+  }
+  if (index.count < triangleSlots * 3) geometry.setIndex(longer(index, grown(triangleSlots) * 3));
+}
+
+/** Half as much again: fronts grow over many frames, and every growth uploads everything. */
+function grown(slots: number): number {
+  return Math.ceil(slots * 1.5);
+}
+
+function longer(old: BufferAttribute, count: number): BufferAttribute {
+  const Array = old.array.constructor as new (length: number) => Column;
+  const array = new Array(count * old.itemSize);
+  array.set(old.array);
+  return new BufferAttribute(array, old.itemSize, old.normalized).setUsage(DynamicDrawUsage);
 }

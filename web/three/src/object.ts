@@ -1,9 +1,9 @@
 import { MeshfrontClient, MeshfrontError, type FrameStats, type ModelInfo, type Region, type View } from "@meshfront/core";
 import {
-  BufferGeometry, FrontSide, type Material, Mesh, MeshStandardMaterial, type Object3DEventMap, type PerspectiveCamera,
+  type BufferGeometry, FrontSide, type Material, Mesh, MeshStandardMaterial, type Object3DEventMap, type PerspectiveCamera,
   Vector2, type WebGLRenderer,
 } from "three";
-import { applyFrame, frontGeometry } from "./buffers.js";
+import { applyFrame, emptyGeometry, frontGeometry } from "./buffers.js";
 import { meshView, sameView } from "./view.js";
 
 /** How a `MeshfrontObject` starts. All but `material` may be changed later on the object. */
@@ -72,7 +72,7 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
 
   /** Starts loading a `.front` file: an address, or its bytes (handed over; the buffer is empty afterwards). */
   constructor(source: string | URL | ArrayBuffer, options: MeshfrontOptions = {}) {
-    super(new BufferGeometry(), options.material ?? new MeshStandardMaterial({ color: 0xd9d0c5, roughness: 0.75 }));
+    super(emptyGeometry(), options.material ?? new MeshStandardMaterial({ color: 0xd9d0c5, roughness: 0.75 }));
     this.tolerancePx = options.tolerancePx ?? 1;
     this.maxTriangles = options.maxTriangles ?? Infinity;
     this.deadlineMs = options.deadlineMs ?? 6;
@@ -114,7 +114,7 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
 
   /**
    * Asks for the front of the camera's present view, where there is something to ask for. Call it once per frame; it
-   * costs microseconds.
+   * costs microseconds. A view that takes more than one deadline goes on by itself.
    */
   update(): void {
     if (!this.client || this.busy || this.frozen) return;
@@ -168,6 +168,8 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
     } finally {
       this.busy = false;
     }
+    // Drawing may be slower than the engine: the worker need not wait for the next frame to go on.
+    if (this.lastStats?.settled === false) this.update();
   }
 
   private report(thrown: unknown): MeshfrontError {

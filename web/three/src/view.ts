@@ -30,8 +30,10 @@ export function meshView(camera: Camera, worldFromMesh: Matrix4, height: number,
   if (p[15] !== 0) throw new TypeError("a pixel tolerance needs a perspective camera");
   const { smallest, largest } = scales(worldFromMesh);
   const similar = largest - smallest <= 1e-3 * largest;
-  // An off-centre picture (setViewOffset, a tile of a larger image, one eye of a headset) looks aside of the axis.
-  const centred = Math.abs(p[8]!) < 1e-6 && Math.abs(p[9]!) < 1e-6;
+  // An off-centre picture (setViewOffset, a tile of a larger image, one eye of a headset) is part of a larger one
+  // that lies around the axis. It has the same pixels.
+  const [halfWidth, halfHeight] = [(1 + Math.abs(p[8]!)) / p[0]!, (1 + Math.abs(p[9]!)) / p[5]!];
+  const pixels = (height / 2) * p[5]!;
 
   meshFromWorld.copy(worldFromMesh).invert();
   meshFromCamera.multiplyMatrices(meshFromWorld, camera.matrixWorld);
@@ -42,14 +44,14 @@ export function meshView(camera: Camera, worldFromMesh: Matrix4, height: number,
     eye,
     target: at(0, 0, -1),
     up: [above[0] - eye[0], above[1] - eye[1], above[2] - eye[2]],
-    fovY: 2 * Math.atan(1 / p[5]!),
-    width: (height * p[5]!) / p[0]!,
-    height,
+    fovY: 2 * Math.atan(halfHeight),
+    width: 2 * pixels * halfWidth,
+    height: 2 * pixels * halfHeight,
     near: roundDown(((camera as { near?: number }).near ?? 0) / largest),
     tolerancePx: (quality.tolerancePx * smallest) / largest,
     maxTriangles: quality.maxTriangles,
     deadlineMs: quality.deadlineMs,
-    frustum: quality.frustum && similar && centred,
+    frustum: quality.frustum && similar,
     orientation: quality.orientation,
   };
   if (quality.region) view.region = quality.region;

@@ -57,7 +57,7 @@ test("longer fronts get longer buffers, and keep what was there", () => {
 });
 
 test("colours become linear, opacity does not", () => {
-  const geometry = frontGeometry(INFO);
+  const geometry = frontGeometry({ ...INFO, hasColors: true });
   const frame = update(2, [0, 2], 1, [0, 1]);
   frame.vertices.colors = Uint8Array.of(255, 0, 188, 128, 0, 0, 0, 255);
   applyFrame(geometry, frame);
@@ -65,6 +65,11 @@ test("colours become linear, opacity does not", () => {
   expect(color.getX(0)).toBeCloseTo(1);
   expect(color.getZ(0)).toBeCloseTo(0.503, 2);
   expect(color.getW(0)).toBeCloseTo(128 / 255, 3);
+});
+
+test("normals and colours are declared before the first frame, or the first program has none", () => {
+  const geometry = frontGeometry({ ...INFO, hasColors: true });
+  expect(Object.keys(geometry.attributes).sort()).toEqual(["color", "level", "normal", "position"]);
 });
 
 test("the bounding sphere holds the model's box", () => {

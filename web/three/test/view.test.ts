@@ -62,9 +62,20 @@ test("the least and the greatest stretch", () => {
   expect(shear).toEqual({ smallest: expect.closeTo(0.618, 3), largest: expect.closeTo(1.618, 3) });
 });
 
-test("a tile of a larger picture is not culled by the whole picture's frustum", () => {
+test("an off-centre picture keeps its pixels, and what it shows lies within the view", () => {
   const camera = cameraAt(new Vector3(5, 4, 6), new Vector3());
-  camera.setViewOffset(2400, 1600, 0, 0, 1200, 800);
+  camera.setViewOffset(2400, 1600, 1300, 0, 1200, 800);
   camera.updateProjectionMatrix();
-  expect(meshView(camera, new Matrix4(), HEIGHT, QUALITY).frustum).toBe(false);
+  const view = meshView(camera, new Matrix4(), HEIGHT, QUALITY);
+  expect(view.frustum).toBe(true);
+  // The middle of the whole picture, in device pixels of the tile.
+  const [middleX, middleY] = [1200 - 1300, 800];
+  for (const ndc of [[-1, -1], [1, 1], [0.2, -0.4]] as const) {
+    const point = new Vector3(...ndc, 0.5).unproject(camera);
+    const [x, y] = pixels(view, point);
+    expect(middleX + x).toBeCloseTo(((ndc[0] + 1) / 2) * 1200, 1);
+    expect(middleY - y).toBeCloseTo(((1 - ndc[1]) / 2) * 800, 1);
+    expect(Math.abs(x)).toBeLessThanOrEqual(view.width / 2 + 0.1);
+    expect(Math.abs(y)).toBeLessThanOrEqual(view.height / 2 + 0.1);
+  }
 });

@@ -1,7 +1,7 @@
 /** The page that `meshfront view` serves: one model, one front, one panel. */
 
 import { levelMaterial, MeshfrontObject, type FrameStats, type MeshfrontError } from "@meshfront/three";
-import { type BufferGeometry, Mesh, MeshBasicMaterial, MeshStandardMaterial } from "three";
+import { Box3, type BufferGeometry, Mesh, MeshBasicMaterial, MeshStandardMaterial, Vector3 } from "three";
 import { count, element, makePanel } from "./panel.js";
 import { readCard, readParameters, type ModelCard, type Point } from "./parameters.js";
 import { makeStage, moveByKey } from "./stage.js";
@@ -15,7 +15,12 @@ const clay = new MeshStandardMaterial({
   color: 0xd8c7b4, roughness: 0.72, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
 });
 const byLevel = levelMaterial({ polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
-const lines = new MeshBasicMaterial({ color: 0x11161c, wireframe: true, transparent: true, opacity: 0.55 });
+const lines = new MeshBasicMaterial({ color: 0x11161c, wireframe: true, transparent: true, opacity: 0.4 });
+
+// On a small screen the picture comes first.
+const details = element<HTMLDetailsElement>("panel");
+details.open = innerWidth > 640;
+details.hidden = !parameters.panel;
 
 let object: MeshfrontObject | undefined;
 let overlay: Mesh<BufferGeometry> | undefined;
@@ -59,9 +64,15 @@ function setLevels(on: boolean): void {
 }
 
 function showAll(): void {
-  const sphere = object?.geometry.boundingSphere;
-  if (sphere) stage.showAll(sphere);
+  const info = object?.info;
+  if (info) stage.showAll(new Box3(new Vector3(...info.min), new Vector3(...info.max)));
   dirty = true;
+}
+
+/** How much of the picture's right side lies under the panel. */
+function covered(): number {
+  const beside = details.open && !details.hidden && details.offsetWidth < innerWidth / 2;
+  return beside ? innerWidth - details.offsetLeft : 0;
 }
 
 function setCamera(eye: Point, target: Point): void {
@@ -104,7 +115,7 @@ async function open(): Promise<void> {
     say(`${card.name} is loaded: ${size}.`);
     overlay = new Mesh(loading.geometry, lines);
     scene.add(loading.add(overlay));
-    stage.resize();
+    stage.resize(covered());
     showAll();
     if (parameters.eye) setCamera(parameters.eye, parameters.target ?? controls.target.toArray());
   });
@@ -149,7 +160,7 @@ function fail(error: MeshfrontError): void {
 }
 
 function frame(): void {
-  if (stage.resize()) dirty = true;
+  if (stage.resize(covered())) dirty = true;
   const moved = controls.update();
   const sphere = object?.geometry.boundingSphere;
   if (object && sphere) {
@@ -177,10 +188,6 @@ element("picture").addEventListener("keydown", (event) => {
 });
 element("retry").addEventListener("click", () => void open());
 
-// On a small screen the picture comes first.
-const details = element<HTMLDetailsElement>("panel");
-details.open = innerWidth > 640;
-details.hidden = !parameters.panel;
 for (const id of ["name", "subtitle"]) element(id).hidden = !parameters.panel;
 document.querySelector<HTMLElement>(".help")!.hidden = !parameters.panel;
 

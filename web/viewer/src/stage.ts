@@ -1,7 +1,7 @@
 /** The picture: renderer, lights, camera, and the controls of the mouse, of fingers and of the keyboard. */
 
 import {
-  Color, DirectionalLight, HemisphereLight, PerspectiveCamera, Scene, type Sphere, Vector3, WebGLRenderer,
+  type Box3, Color, DirectionalLight, HemisphereLight, PerspectiveCamera, Scene, type Sphere, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
@@ -10,10 +10,10 @@ export interface Stage {
   scene: Scene;
   camera: PerspectiveCamera;
   controls: OrbitControls;
-  /** Takes over the size of the canvas; whether it changed. */
-  resize(): boolean;
-  /** Puts the camera where the whole model is seen from. */
-  showAll(sphere: Sphere): void;
+  /** Takes over the size of the canvas, whose right `covered` pixels lie under the panel; whether it changed. */
+  resize(covered: number): boolean;
+  /** Puts the camera where all corners of the model's box are seen from. */
+  showAll(box: Box3): void;
   /** Near and far plane around the model as it is seen now. */
   fitDepth(sphere: Sphere): void;
 }
@@ -22,6 +22,9 @@ export interface Stage {
 const FOV = 40;
 /** Seen from a little to the right and above, as one would photograph a figure. */
 const FIRST_LOOK = new Vector3(0.38, 0.28, 0.88).normalize();
+
+/** The share of the picture that the model takes up at first. */
+const MARGIN = 0.92;
 
 export function makeStage(canvas: HTMLCanvasElement, pixelRatio: number): Stage {
   const renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: "high-performance" });
@@ -46,26 +49,45 @@ export function makeStage(canvas: HTMLCanvasElement, pixelRatio: number): Stage 
   controls.dampingFactor = 0.12;
   controls.zoomToCursor = true;
   controls.zoomSpeed = 1.4;
+  let covered = 0;
 
   return {
     renderer,
     scene,
     camera,
     controls,
-    resize() {
+    resize(rightCovered) {
       const { clientWidth: width, clientHeight: height } = canvas;
       if (width === 0 || height === 0) return false;
       const ratio = renderer.getPixelRatio();
-      if (canvas.width === Math.floor(width * ratio) && canvas.height === Math.floor(height * ratio)) return false;
-      renderer.setSize(width, height, false);
+      const same = canvas.width === Math.floor(width * ratio) && canvas.height === Math.floor(height * ratio);
+      if (same && covered === rightCovered) return false;
+      covered = rightCovered;
+      if (!same) renderer.setSize(width, height, false);
       camera.aspect = width / height;
-      camera.updateProjectionMatrix();
+      // The middle of the picture is the middle of what can be seen of it.
+      camera.setViewOffset(width, height, covered / 2, 0, width, height);
       return true;
     },
-    showAll({ center, radius }) {
-      const narrow = Math.min(1, camera.aspect);
-      const half = Math.atan(Math.tan((FOV * Math.PI) / 360) * narrow);
-      camera.position.copy(center).addScaledVector(FIRST_LOOK, (radius * 0.95) / Math.sin(half));
+    showAll(box) {
+      const center = box.getCenter(new Vector3());
+      camera.position.copy(center).add(FIRST_LOOK);
+      camera.lookAt(center);
+      camera.updateMatrixWorld();
+      const right = new Vector3().setFromMatrixColumn(camera.matrixWorld, 0);
+      const up = new Vector3().setFromMatrixColumn(camera.matrixWorld, 1);
+      const tan = MARGIN * Math.tan((FOV * Math.PI) / 360);
+      const { clientWidth, clientHeight } = canvas;
+      const tanAcross = (tan * Math.max(clientWidth - covered, 1)) / Math.max(clientHeight, 1);
+      let distance = 0;
+      for (let corner = 0; corner < 8; corner++) {
+        const x = new Vector3(corner & 1, (corner >> 1) & 1, corner >> 2);
+        const at = box.getSize(new Vector3()).multiply(x).add(box.min).sub(center);
+        const needed = Math.max(Math.abs(at.dot(right)) / tanAcross, Math.abs(at.dot(up)) / tan);
+        distance = Math.max(distance, needed + at.dot(FIRST_LOOK));
+      }
+      const radius = box.min.distanceTo(center);
+      camera.position.copy(center).addScaledVector(FIRST_LOOK, Math.max(distance, radius * 0.1));
       controls.target.copy(center);
       controls.minDistance = radius * 2e-3;
       controls.maxDistance = radius * 40;
