@@ -130,21 +130,56 @@ fn ended(decoder: Decoder, stream: Section) -> Result<(), Fault> {
     if decoder.finish() { Ok(()) } else { Err(stream.fault(0, "column does not end where its stream does")) }
 }
 
+/// How many trails of split vertices are kept: numbers were given in space, octave by octave, so the vertices that
+/// split near each other lie in a few stretches of numbers, one an octave.
+const TRAILS: usize = 8;
+/// A vertex at least so far from every trail begins a new one.
+const NEW_TRAIL: u32 = 256;
+
+/// The ends of the trails, the one used last in front.
+#[derive(Default)]
+struct Trails([u32; TRAILS]);
+
+impl Trails {
+    /// The trail whose end is nearest; the first such.
+    #[cfg(feature = "write")]
+    fn nearest(&self, vertex: u32) -> usize {
+        let distance = |&i: &usize| (vertex.wrapping_sub(self.0[i]) as i32).unsigned_abs();
+        (0..TRAILS).min_by_key(distance).expect("there are trails")
+    }
+    /// A trail moves on by `step` to a vertex, which is returned, and comes to the front. A long step leaves the trail
+    /// where it is and drops the one that was not used for longest.
+    #[inline(always)]
+    fn follow(&mut self, trail: usize, step: i32) -> u32 {
+        let vertex = self.0[trail].wrapping_add(step as u32);
+        let dropped = if step.unsigned_abs() < NEW_TRAIL { trail } else { TRAILS - 1 };
+        self.0.copy_within(..dropped, 1);
+        self.0[0] = vertex;
+        vertex
+    }
+}
+
 #[cfg(feature = "write")]
 fn encode_vertex(vertex: &[VertexId]) -> Vec<u8> {
-    let (mut encoder, mut model, mut before) = (Encoder::default(), IntModel::new(), 0);
+    let (mut encoder, mut trails) = (Encoder::default(), Trails::default());
+    let (mut which, mut steps) = (Model::<TRAILS>::new(), int_models::<TRAILS>());
     for v in vertex {
-        encode_int(&mut encoder, &mut model, v.0.wrapping_sub(before) as i32);
-        before = v.0;
+        let trail = trails.nearest(v.0);
+        let step = v.0.wrapping_sub(trails.0[trail]) as i32;
+        encoder.symbol(&mut which, trail);
+        encode_int(&mut encoder, &mut steps[trail], step);
+        trails.follow(trail, step);
     }
     encoder.finish()
 }
 
 fn decode_vertex(stream: Section, vertex: &mut [VertexId]) -> Result<(), Fault> {
-    let (mut decoder, mut model, mut before) = (Decoder::new(stream.bytes), IntModel::new(), 0u32);
+    let (mut decoder, mut trails) = (Decoder::new(stream.bytes), Trails::default());
+    let (mut which, mut steps) = (Model::<TRAILS>::new(), int_models::<TRAILS>());
     for v in vertex {
-        before = before.wrapping_add(decode_int(&mut decoder, &mut model).0 as u32);
-        *v = VertexId(before);
+        let trail = decoder.symbol(&mut which);
+        let (step, _) = decode_int(&mut decoder, &mut steps[trail]);
+        *v = VertexId(trails.follow(trail, step));
     }
     ended(decoder, stream)
 }
