@@ -1,21 +1,24 @@
-//! When to look at a decision again: a time wheel whose clock is the distance that the view travels.
+//! When to look at a decision again: time wheels whose clocks are the distance that the view travels.
 //!
 //! The idea is ROAM's deferred queues (Duchaineau et al. 1997): a decision that cannot flip before the view has
-//! travelled its slack needs no look until then. The wheel is hierarchical (Varghese & Lauck 1987) but never
-//! cascades: an entry is filed on the ring whose slots are between 1/16 and 1/64 of its slack wide, and is
-//! looked at when the clock enters its slot, at most 1/16 of its slack early. So an entry is an id, four bytes,
-//! and the wheel does not care whether the viewer is an orbit or a nostril away from the surface.
+//! travelled its slack needs no look until then. Each cell of a coarse grid over the hierarchy has a wheel with a
+//! clock of its own, since the same step brings the view nearer to one place and takes it past another.
+//!
+//! A wheel is hierarchical (Varghese & Lauck 1987) but never cascades: an entry is filed on the ring whose slots
+//! are between 1/8 and 1/32 of its slack wide, and is looked at when the clock enters its slot, at most 1/8 of its
+//! slack early. So an entry is an id, four bytes, and the wheel does not care whether the viewer is an orbit or
+//! a nostril away from the surface.
 
 use std::collections::VecDeque;
 
-const SLOTS: u64 = 64;
+const SLOTS: u64 = 32;
 /// Rings; each is four times coarser than the one before.
-const RINGS: usize = 16;
-/// The longest slack that the wheel tells apart, in ticks; longer ones are looked at then.
-const LONGEST: u64 = (SLOTS << (2 * (RINGS - 1))) - 1;
+const RINGS: usize = 10;
+/// The longest slack that a wheel tells apart, in ticks; longer ones are looked at then.
+pub(crate) const LONGEST: u64 = (SLOTS << (2 * (RINGS - 1))) - 1;
 const NONE: u32 = u32::MAX;
-/// A block fills one cache line.
-const PER_BLOCK: usize = 14;
+/// Half a cache line a block: most slots hold few entries.
+const PER_BLOCK: usize = 6;
 
 #[derive(Clone, Copy, Debug)]
 struct Block {
@@ -24,12 +27,17 @@ struct Block {
     ids: [u32; PER_BLOCK],
 }
 
-/// Ids of updates, each to be handed out once the clock has advanced by a given number of ticks.
+#[derive(Clone, Debug)]
+struct Wheel {
+    now: u64,
+    occupied: [u32; RINGS],
+    slots: [[u32; SLOTS as usize]; RINGS],
+}
+
+/// Ids of updates, each to be handed out once the clock of its wheel has advanced by a given number of ticks.
 #[derive(Clone, Debug)]
 pub(crate) struct Calendar {
-    now: u64,
-    slots: Vec<u32>,
-    occupied: [u64; RINGS],
+    wheels: Vec<Wheel>,
     blocks: Vec<Block>,
     free: u32,
     /// Chains of blocks that are due, oldest first.
@@ -37,66 +45,70 @@ pub(crate) struct Calendar {
 }
 
 impl Calendar {
-    pub fn new() -> Calendar {
-        Calendar {
-            now: 0,
-            slots: vec![NONE; SLOTS as usize * RINGS],
-            occupied: [0; RINGS],
-            blocks: Vec::new(),
-            free: NONE,
-            due: VecDeque::new(),
-        }
+    pub fn new(wheels: usize) -> Calendar {
+        let wheel = Wheel { now: 0, occupied: [0; RINGS], slots: [[NONE; SLOTS as usize]; RINGS] };
+        Calendar { wheels: vec![wheel; wheels], blocks: Vec::new(), free: NONE, due: VecDeque::new() }
     }
 
     /// Forgets every entry; what is due, too.
     pub fn clear(&mut self) {
-        self.slots.fill(NONE);
-        self.occupied = [0; RINGS];
+        for wheel in &mut self.wheels {
+            wheel.occupied = [0; RINGS];
+            wheel.slots = [[NONE; SLOTS as usize]; RINGS];
+        }
         self.blocks.clear();
         self.free = NONE;
         self.due.clear();
     }
 
-    /// Files `id` to come due before the clock has advanced by more than `ticks`.
+    /// Files `id` to come due before the clock of `wheel` has advanced by more than `ticks`.
     #[inline]
-    pub fn file(&mut self, id: u32, ticks: u64) {
+    pub fn file(&mut self, wheel: usize, id: u32, ticks: u64) {
+        let wheel = &mut self.wheels[wheel];
         let ticks = ticks.min(LONGEST);
-        // The ring where `ticks` is less than 64 slots, and (but for the finest) at least 16.
+        // The ring where `ticks` is less than 32 slots, and (but for the finest) at least 8.
         let bits = 64 - ticks.leading_zeros();
-        let ring = bits.saturating_sub(6).div_ceil(2) as usize;
-        let slot = (self.now + ticks) >> (2 * ring) & (SLOTS - 1);
-        self.occupied[ring] |= 1 << slot;
-        let at = ring * SLOTS as usize + slot as usize;
-        let head = self.slots[at];
-        if head != NONE {
-            let block = &mut self.blocks[head as usize];
-            if (block.len as usize) < PER_BLOCK {
-                block.ids[block.len as usize] = id;
-                block.len += 1;
-                return;
-            }
+        let ring = bits.saturating_sub(5).div_ceil(2) as usize;
+        let slot = ((wheel.now + ticks) >> (2 * ring) & (SLOTS - 1)) as usize;
+        wheel.occupied[ring] |= 1 << slot;
+        let head = &mut wheel.slots[ring][slot];
+        if let Some(block) = self.blocks.get_mut(*head as usize)
+            && (block.len as usize) < PER_BLOCK
+        {
+            block.ids[block.len as usize] = id;
+            block.len += 1;
+            return;
         }
-        let mut block = Block { next: head, len: 1, ids: [0; PER_BLOCK] };
+        let mut block = Block { next: *head, len: 1, ids: [0; PER_BLOCK] };
         block.ids[0] = id;
-        self.slots[at] = if self.free != NONE {
+        *head = if self.free != NONE {
             let b = self.free;
             self.free = std::mem::replace(&mut self.blocks[b as usize], block).next;
             b
         } else {
+            if self.blocks.len() == self.blocks.capacity() {
+                // By an eighth, not by doubling: the calendar is most of the engine's memory.
+                self.blocks.reserve_exact(self.blocks.len() / 8 + 64);
+            }
             self.blocks.push(block);
             (self.blocks.len() - 1) as u32
         };
     }
 
-    /// Moves the clock; what comes due joins the end of the queue. Costs at most one step per occupied slot.
-    pub fn advance(&mut self, ticks: u64) {
+    /// Moves the clock of a wheel; what comes due joins the end of the queue. Costs a step per ring and per
+    /// occupied slot that was passed.
+    pub fn advance(&mut self, wheel: usize, ticks: u64) {
         if ticks == 0 {
             return;
         }
-        let before = self.now;
-        self.now += ticks;
+        let wheel = &mut self.wheels[wheel];
+        let before = wheel.now;
+        wheel.now += ticks;
         for ring in 0..RINGS {
-            let (from, to) = (before >> (2 * ring), self.now >> (2 * ring));
+            if wheel.occupied[ring] == 0 {
+                continue;
+            }
+            let (from, to) = (before >> (2 * ring), wheel.now >> (2 * ring));
             // Slots entered by the clock. The finest ring may hold entries in the slot where the clock stood.
             let first = if ring == 0 { from } else { from + 1 };
             if to < first {
@@ -104,15 +116,15 @@ impl Calendar {
             }
             let passed = to - first + 1;
             let mask = if passed >= SLOTS {
-                u64::MAX
+                u32::MAX
             } else {
-                (u64::MAX >> (SLOTS - passed)).rotate_left((first & (SLOTS - 1)) as u32)
+                (u32::MAX >> (SLOTS - passed)).rotate_left((first & (SLOTS - 1)) as u32)
             };
-            let mut hit = self.occupied[ring] & mask;
-            self.occupied[ring] &= !mask;
+            let mut hit = wheel.occupied[ring] & mask;
+            wheel.occupied[ring] &= !mask;
             while hit != 0 {
-                let at = ring * SLOTS as usize + hit.trailing_zeros() as usize;
-                self.due.push_back(std::mem::replace(&mut self.slots[at], NONE));
+                let slot = &mut wheel.slots[ring][hit.trailing_zeros() as usize];
+                self.due.push_back(std::mem::replace(slot, NONE));
                 hit &= hit - 1;
             }
         }
@@ -143,7 +155,9 @@ impl Calendar {
 
     /// Heap memory, in bytes.
     pub fn memory(&self) -> usize {
-        self.slots.capacity() * 4 + self.blocks.capacity() * size_of::<Block>() + self.due.capacity() * 4
+        self.wheels.capacity() * size_of::<Wheel>()
+            + self.blocks.capacity() * size_of::<Block>()
+            + self.due.capacity() * size_of::<u32>()
     }
 }
 
@@ -161,26 +175,30 @@ mod tests {
             seed ^= seed << 17;
             seed % below
         };
-        let mut calendar = Calendar::new();
-        let mut filed: HashMap<u32, (u64, u64)> = HashMap::new();
-        let (mut now, mut next) = (0u64, 0u32);
+        let mut calendar = Calendar::new(2);
+        let mut filed: HashMap<u32, (usize, u64, u64)> = HashMap::new();
+        let (mut now, mut next) = ([0u64; 2], 0u32);
         for _ in 0..4000 {
             for _ in 0..random(20) {
-                let ticks = { 1u64 << random(40) } + random(100) - 1;
-                calendar.file(next, ticks);
-                filed.insert(next, (now, ticks));
+                let ticks = { 1u64 << random(26) } + random(100) - 1;
+                let wheel = random(2) as usize;
+                calendar.file(wheel, next, ticks);
+                filed.insert(next, (wheel, now[wheel], ticks));
                 next += 1;
             }
-            let step = { 1u64 << random(30) } - 1 + random(3);
-            calendar.advance(step);
-            now += step;
+            let step = { 1u64 << random(22) } - 1 + random(3);
+            let wheel = random(2) as usize;
+            calendar.advance(wheel, step);
+            now[wheel] += step;
             while let Some(id) = calendar.take_due() {
-                let (since, ticks) = filed.remove(&id).expect("handed out once");
+                let (wheel, since, ticks) = filed.remove(&id).expect("handed out once");
+                let now = now[wheel];
                 let ticks = ticks.min(LONGEST);
-                assert!(now - since >= ticks - ticks / 16 || ticks < 64, "{ticks} looked at after {}", now - since);
+                assert!(now - since >= ticks - ticks / 8 || ticks < 32, "{ticks} looked at after {}", now - since);
                 assert!(now > since);
             }
-            for &(since, ticks) in filed.values() {
+            for &(wheel, since, ticks) in filed.values() {
+                let now = now[wheel];
                 assert!(now - since < ticks || now == since, "{ticks} missed at {}", now - since);
             }
         }

@@ -1,7 +1,7 @@
 //! The criterion: how wrong an update's coarse side looks, and for how long that answer holds.
 
 use crate::Footprint;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// How many pixels wrong the front looks while an update is not applied. Object-safe.
 ///
@@ -12,8 +12,9 @@ pub trait Criterion {
     /// How many pixels (or units of error) wrong M⁻ looks.
     fn pixels(&self, f: &Footprint) -> f32;
 
-    /// How far the pose must travel ([`Pose::travel`]) before the truth of `pixels(f) > tolerance` can change.
-    /// 0 where unknown: the update is then looked at whenever the pose changes at all.
+    /// How far the pose must travel, as seen from the footprint's centre ([`Pose::travel`]), before the truth of
+    /// `pixels(f) > tolerance` can change. 0 where unknown: the update is then looked at whenever the pose changes at
+    /// all.
     fn slack(&self, f: &Footprint, tolerance: f32) -> f32 {
         let _ = (f, tolerance);
         0.0
@@ -92,6 +93,8 @@ impl Pose {
     const POINTS: usize = 4;
     /// Two frusta with near planes, and two planes more.
     const PLANES: usize = 12;
+    /// How many times farther than its travel a pose's point may move sideways.
+    pub const SIDEWAYS: f32 = 4.0;
 
     /// A pose in which nothing moves.
     pub fn new(fingerprint: Fingerprint) -> Pose {
@@ -144,32 +147,53 @@ impl Pose {
         self
     }
 
-    /// How far the pose moved since `before`: the longest way of a point, or of a plane's distance to any place
-    /// within a sphere. `None` where the two differ in more than motion.
+    /// How far the pose moved since `before`, as seen by what lies in a ball. `None` where the two differ in more
+    /// than motion.
     ///
-    /// A function of the distance to the points, or of the signed distance to the planes, with Lipschitz
-    /// constant 1 changes by no more. Along a path the travels add up to at least the travel between its ends.
+    /// For every place in the ball neither its distance to any of the points nor its signed distance to any of the
+    /// planes changed by more than the travel, and no point moved by more than [`Pose::SIDEWAYS`] times the
+    /// travel. Along a path travels add up, so a function of the distance to a point, or to a plane, with Lipschitz
+    /// constant 1 has a slack of its distance from zero; a function of where the point is, a quarter of that.
     pub fn travel(&self, before: &Pose, center: Vec3, radius: f32) -> Option<f64> {
         if (self.fingerprint, self.point_count, self.plane_count)
             != (before.fingerprint, before.point_count, before.plane_count)
         {
             return None;
         }
+        let (center, radius) = (center.as_dvec3(), radius as f64);
         let mut far = 0f64;
-        for i in 0..self.point_count as usize {
-            far = far.max(self.points[i].as_dvec3().distance(before.points[i].as_dvec3()));
+        for (now, then) in self.points.iter().zip(&before.points).take(self.point_count as usize) {
+            let (now, then) = (now.as_dvec3(), then.as_dvec3());
+            far = far.max(approach(then, now - then, center, radius));
         }
-        let center = center.as_dvec3();
-        for (a, b) in self.planes.iter().zip(&before.planes).take(self.plane_count as usize) {
-            if a == b {
-                continue;
-            }
-            let (n, m) = (a.normal.as_dvec3(), b.normal.as_dvec3());
-            let at_center = n.dot(center - a.point.as_dvec3()) - m.dot(center - b.point.as_dvec3());
-            far = far.max(at_center.abs() + radius as f64 * (n - m).length());
+        for (now, then) in self.planes.iter().zip(&before.planes).take(self.plane_count as usize) {
+            let (n, m) = (now.normal.as_dvec3(), then.normal.as_dvec3());
+            let at_center = n.dot(center - now.point.as_dvec3()) - m.dot(center - then.point.as_dvec3());
+            far = far.max(at_center.abs() + radius * (n - m).length());
         }
-        far.is_finite().then_some(far)
+        far.is_finite().then_some(far * (1.0 + 1e-9))
     }
+}
+
+/// By how much the distance between a point that moves by `step` and any place of a ball may change, but no
+/// less than a share of the step.
+///
+/// The distance to a place changes by the part of the step that is along the line to it. All those lines lie in a
+/// cone around the line to the centre; its half angle b is that of the ball, widened by the step, as seen from
+/// the point. At an angle a between step and axis that is at most |step| cos(a − b).
+fn approach(from: DVec3, step: DVec3, center: DVec3, radius: f64) -> f64 {
+    let length = step.length();
+    let axis = center - from;
+    let distance = axis.length();
+    let sin_b = (radius + length) / distance;
+    if length == 0.0 || sin_b >= 1.0 || sin_b.is_nan() {
+        return length;
+    }
+    let cos_a = (axis.dot(step).abs() / (distance * length)).min(1.0);
+    let sin_a = (1.0 - cos_a * cos_a).sqrt();
+    let cos_b = (1.0 - sin_b * sin_b).sqrt();
+    let along = if sin_a <= sin_b { 1.0 } else { cos_a * cos_b + sin_a * sin_b };
+    length * along.max(1.0 / Pose::SIDEWAYS as f64)
 }
 
 /// A hash of the settings that a criterion does not count as motion.

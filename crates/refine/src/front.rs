@@ -47,6 +47,8 @@ pub struct Front<H: MultiTessellation> {
     leaves: BinaryHeap<Reverse<Ranked>>,
     /// Decisions that have just opened.
     work: Vec<u32>,
+    /// Updates that have just been applied. Most are soon needed by others; the calendar hears of the rest.
+    fresh: Vec<Ranked>,
     /// Where dependencies are read off the mesh: who waits for the undoing of whom.
     waiting: HashMap<u32, Vec<u32>>,
     scratch: Vec<UpdateId>,
@@ -58,11 +60,10 @@ pub struct Front<H: MultiTessellation> {
     max_cells: Option<usize>,
     /// Counts views, so that a rank knows whether it is of today.
     view: u32,
-    /// A sphere around everything that changes.
-    center: Vec3,
-    radius: f32,
-    /// Mesh units per tick of the calendar.
-    tick: f64,
+    /// Where decisions are: each cell has a wheel of the calendar.
+    grid: Grid,
+    /// Ticks of the calendar per mesh unit.
+    ticks_per_unit: f64,
     budget_bound: bool,
     /// The calendar is not up to date: look at everything when the view changes.
     stale: bool,
@@ -83,6 +84,7 @@ struct Ranked {
     slack: f32,
     m: u32,
     view: u32,
+    cell: u16,
 }
 impl PartialEq for Ranked {
     fn eq(&self, other: &Ranked) -> bool {
@@ -113,15 +115,18 @@ struct Run {
 /// Weight of applying or undoing an update for the timer, in looks at a decision.
 const UPDATE: u32 = 8;
 
-/// The calendar's tick is this part of the radius of the whole hierarchy: a viewer may be as near as 1e-6 radii, and
-/// the longest slack is still 4096 radii.
-const TICKS_PER_RADIUS: f64 = (1u64 << 24) as f64;
+/// How many applied updates wait for being needed.
+const FRESH: usize = 512;
+
+/// Ticks of the calendar in the longest side of what changes: slacks are told apart from 1e-4 of it, seen from a
+/// thousandth of it away, to 64 times it.
+const TICKS_PER_EXTENT: f64 = (1u64 << 17) as f64;
 
 impl<H: MultiTessellation> Front<H> {
     /// A front at the base mesh. Costs a bit or three per update, and the base mesh.
     pub fn new(h: &H) -> Front<H> {
-        let (center, radius) = bounds(h);
-        let tick = radius as f64 / TICKS_PER_RADIUS;
+        let grid = Grid::new(h);
+        let ticks_per_unit = TICKS_PER_EXTENT / grid.extent as f64;
         let mut front = Front {
             mesh: h.base(),
             applied: Bits::new(h.len()),
@@ -129,10 +134,11 @@ impl<H: MultiTessellation> Front<H> {
             open: Bits::new(h.len()),
             open_count: 0,
             filed: Bits::new(h.len()),
-            calendar: Calendar::new(),
+            calendar: Calendar::new(grid.len()),
             wanted: BinaryHeap::new(),
             leaves: BinaryHeap::new(),
             work: Vec::new(),
+            fresh: Vec::new(),
             waiting: HashMap::new(),
             scratch: Vec::new(),
             gathered: Vec::new(),
@@ -142,9 +148,8 @@ impl<H: MultiTessellation> Front<H> {
             tolerance: 0.0,
             max_cells: None,
             view: 0,
-            center,
-            radius,
-            tick: if tick.is_normal() { tick } else { 1.0 },
+            grid,
+            ticks_per_unit: if ticks_per_unit.is_normal() { ticks_per_unit } else { 1.0 },
             budget_bound: false,
             stale: false,
             settled: false,
@@ -162,7 +167,9 @@ impl<H: MultiTessellation> Front<H> {
         self.open.clear();
         self.open_count = 0;
         self.work.clear();
+        self.fresh.clear();
         self.waiting.clear();
+        self.sweep.word = 0;
         self.pose = None;
         self.budget_bound = false;
         self.open_roots(h);
@@ -203,7 +210,8 @@ impl<H: MultiTessellation> Front<H> {
     pub fn memory(&self) -> usize {
         (self.applied.words().len() * 3) * 8
             + self.calendar.memory()
-            + (self.wanted.capacity() + self.leaves.capacity() + self.gathered.capacity()) * size_of::<Ranked>()
+            + (self.wanted.capacity() + self.leaves.capacity() + self.gathered.capacity() + self.fresh.capacity())
+                * size_of::<Ranked>()
             + (self.work.capacity() + self.scratch.capacity()) * 4
             + self.steps.capacity() * size_of::<Step>()
     }
@@ -229,19 +237,18 @@ impl<H: MultiTessellation> Front<H> {
     /// improves; this needs a rank for every open decision, so each new view then looks at all of them. After the
     /// budget was lowered, a front without a deadline is within it at once; with one, in the course of calls.
     pub fn adapt<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, r: &Request) -> Outcome {
+        self.trim();
         self.steps.clear();
         let mut run = self.arrive(c, r);
         let moved = self.enter(c.pose(), run.tolerance);
-        if self.settled && moved == Some(0) && self.max_cells == r.max_cells {
+        if self.settled && moved == Some(false) && self.max_cells == r.max_cells {
             return self.report(h, &run);
         }
         self.settled = false;
         let budget_changed = std::mem::replace(&mut self.max_cells, r.max_cells) != r.max_cells;
-        if self.stale || moved.is_none() || (self.budget_bound && (moved != Some(0) || budget_changed)) {
+        if self.stale || moved.is_none() || (self.budget_bound && (moved != Some(false) || budget_changed)) {
             self.budget_bound &= r.max_cells.is_some();
             self.look_at_all();
-        } else if let Some(ticks) = moved {
-            self.calendar.advance(ticks);
         }
         if h.cells(&self.mesh) > run.max_cells && !self.budget_bound {
             self.bind();
@@ -274,6 +281,7 @@ impl<H: MultiTessellation> Front<H> {
         self.enter(c.pose(), run.tolerance);
         self.max_cells = r.max_cells;
         self.settled = false;
+        // Depth first: the live mesh is touched in one place after the other.
         self.sweep.words_left = 0;
         self.work.extend(self.open.iter());
         while let Some(m) = self.work.pop() {
@@ -285,7 +293,7 @@ impl<H: MultiTessellation> Front<H> {
                 self.file(rank);
                 run.timer.spend(1);
             } else if self.apply(h, m, run.max_cells) {
-                self.file(rank);
+                self.file_later(rank);
                 run.timer.spend(UPDATE);
             } else {
                 self.filed.insert(m);
@@ -296,6 +304,7 @@ impl<H: MultiTessellation> Front<H> {
                 break;
             }
         }
+        self.file_fresh();
         self.settled = self.is_idle();
         self.report(h, &run)
     }
@@ -307,6 +316,25 @@ impl<H: MultiTessellation> Front<H> {
         self.adapt(h, c, r)
     }
 
+    /// Gives back what a large change needed, bit by bit.
+    fn trim(&mut self) {
+        fn half(len: usize, capacity: usize) -> Option<usize> {
+            (capacity > 1024 && len < capacity / 8).then_some(capacity / 2)
+        }
+        if let Some(n) = half(self.steps.len(), self.steps.capacity()) {
+            self.steps.shrink_to(n);
+        }
+        if let Some(n) = half(self.wanted.len(), self.wanted.capacity()) {
+            self.wanted.shrink_to(n);
+        }
+        if let Some(n) = half(self.leaves.len(), self.leaves.capacity()) {
+            self.leaves.shrink_to(n);
+        }
+        if let Some(n) = half(self.work.len(), self.work.capacity()) {
+            self.work.shrink_to(n);
+        }
+    }
+
     fn arrive<C: Criterion + ?Sized>(&self, _: &C, r: &Request) -> Run {
         Run {
             tolerance: if r.tolerance > 0.0 { r.tolerance } else { 0.0 },
@@ -316,19 +344,21 @@ impl<H: MultiTessellation> Front<H> {
         }
     }
 
-    /// Takes note of the view: how many ticks it travelled, `None` if all answers are void.
-    fn enter(&mut self, pose: Pose, tolerance: f32) -> Option<u64> {
-        let travel = match &self.pose {
-            Some(before) if self.tolerance == tolerance => pose.travel(before, self.center, self.radius),
-            _ => None,
-        };
-        let ticks = travel.map(|t| (t / self.tick).ceil().min(1e15) as u64);
-        if ticks != Some(0) {
-            self.view = self.view.wrapping_add(1);
-            self.pose = Some(pose);
-            self.tolerance = tolerance;
+    /// Takes note of the view, and has the calendar hand out what comes due. Whether it moved; `None` if all
+    /// answers are void.
+    fn enter(&mut self, pose: Pose, tolerance: f32) -> Option<bool> {
+        let before = self.pose.replace(pose);
+        let same_tolerance = std::mem::replace(&mut self.tolerance, tolerance) == tolerance;
+        if same_tolerance && before == self.pose {
+            return Some(false);
         }
-        ticks
+        self.view = self.view.wrapping_add(1);
+        let before = before.filter(|_| same_tolerance)?;
+        for cell in 0..self.grid.len() {
+            let travel = pose.travel(&before, self.grid.center(cell), self.grid.radius)?;
+            self.calendar.advance(cell, (travel * self.ticks_per_unit).ceil().min(1e15) as u64);
+        }
+        Some(true)
     }
 
     fn report(&self, h: &H, run: &Run) -> Outcome {
@@ -428,17 +458,19 @@ impl<H: MultiTessellation> Front<H> {
             if !self.apply(h, top.m, run.max_cells) {
                 self.filed.insert(top.m);
                 self.wanted.push(top);
+                self.file_fresh();
                 if self.no_decisions() {
                     self.bind();
                 }
                 return false;
             }
-            self.file(top);
+            self.file_later(top);
             self.drain_work(h, c, run);
             if run.timer.spend(UPDATE) {
                 break;
             }
         }
+        self.file_fresh();
         true
     }
 
@@ -551,15 +583,32 @@ impl<H: MultiTessellation> Front<H> {
     #[inline]
     fn rank<C: Criterion + ?Sized>(&self, h: &H, c: &C, m: u32, run: &mut Run) -> Ranked {
         run.evaluations += 1;
-        let (pixels, slack) = c.score(&h.footprint(UpdateId(m)), run.tolerance);
-        Ranked { pixels, slack, m, view: self.view }
+        let f = h.footprint(UpdateId(m));
+        let (pixels, slack) = c.score(&f, run.tolerance);
+        Ranked { pixels, slack, m, view: self.view, cell: self.grid.cell(f.center) }
     }
 
     /// The calendar has it from here.
     #[inline]
     fn file(&mut self, rank: Ranked) {
         if self.filed.insert(rank.m) {
-            self.calendar.file(rank.m, (rank.slack as f64 / self.tick) as u64);
+            self.calendar.file(rank.cell as usize, rank.m, (rank.slack as f64 * self.ticks_per_unit) as u64);
+        }
+    }
+
+    /// The calendar has it from here, unless it is soon no decision any more.
+    #[inline]
+    fn file_later(&mut self, rank: Ranked) {
+        self.fresh.push(rank);
+        if self.fresh.len() == FRESH {
+            self.file_fresh();
+        }
+    }
+    fn file_fresh(&mut self) {
+        while let Some(rank) = self.fresh.pop() {
+            if self.open.has(rank.m) {
+                self.file(rank);
+            }
         }
     }
 
@@ -732,16 +781,53 @@ impl<H: MultiTessellation> Front<H> {
     }
 }
 
-/// A sphere around all footprints.
-fn bounds<H: MultiTessellation>(h: &H) -> (Vec3, f32) {
-    let mut roots = Vec::new();
-    h.roots(|m| {
-        let f = h.footprint(m);
-        roots.push((f.center, f.radius));
-    });
-    let (low, high) =
-        roots.iter().fold((Vec3::MAX, Vec3::MIN), |(low, high), &(c, r)| (low.min(c - r), high.max(c + r)));
-    let center = if roots.is_empty() { Vec3::ZERO } else { low + (high - low) / 2.0 };
-    let radius = roots.iter().map(|&(c, r)| c.distance(center) + r).fold(0.0, f32::max);
-    (center, radius * 1.0001)
+/// A grid of cubes over the centres of all footprints.
+struct Grid {
+    min: Vec3,
+    /// The longest side of the box.
+    extent: f32,
+    side: f32,
+    counts: [u16; 3],
+    /// Of a sphere around a cube.
+    radius: f32,
+}
+
+impl Grid {
+    /// More cells tell motion apart better, but each costs a wheel and some 0.1 µs a frame.
+    const MOST: usize = 64;
+
+    fn new<H: MultiTessellation>(h: &H) -> Grid {
+        let centers = (0..h.len() as u32).map(|m| h.footprint(UpdateId(m)).center);
+        let (min, max) = centers.fold((Vec3::MAX, Vec3::MIN), |(min, max), c| (min.min(c), max.max(c)));
+        let size = max - min;
+        let extent = size.max_element();
+        let cut = |n: f32| {
+            let side = extent / n;
+            let counts = (size / side).ceil().max(Vec3::ONE).to_array().map(|n| n as u16);
+            // A little wider than the cube, for centres that rounding puts next door.
+            Grid { min, extent, side, counts, radius: side * 0.8662 }
+        };
+        let fits = |g: &Grid| g.side > 0.0 && g.side.is_finite() && g.len() <= Grid::MOST;
+        // Nothing, or all of it in one place.
+        let point = || Grid { min: min.min(max), extent: 0.0, side: 1.0, counts: [1; 3], radius: 0.0 };
+        (1..=8).rev().map(|n| cut(n as f32)).find(fits).unwrap_or_else(point)
+    }
+    fn len(&self) -> usize {
+        self.counts.iter().map(|&n| n as usize).product()
+    }
+    #[inline]
+    fn cell(&self, p: Vec3) -> u16 {
+        let at = (p - self.min) / self.side;
+        let [nx, ny, nz] = self.counts;
+        let (x, y, z) = ((at.x as u16).min(nx - 1), (at.y as u16).min(ny - 1), (at.z as u16).min(nz - 1));
+        (z * ny + y) * nx + x
+    }
+    fn center(&self, cell: usize) -> Vec3 {
+        let [nx, ny, _] = self.counts.map(|n| n as usize);
+        if self.extent == 0.0 {
+            return self.min;
+        }
+        let at = Vec3::new((cell % nx) as f32, (cell / nx % ny) as f32, (cell / (nx * ny)) as f32);
+        self.min + (at + 0.5) * self.side
+    }
 }

@@ -95,7 +95,8 @@ impl Criterion for Orientation {
             return (SEEN, f32::INFINITY);
         }
         let (behind, scale) = self.behind(f);
-        (if behind > 0.0 { 0.0 } else { SEEN }, safe_slack(behind, scale))
+        // Moving past the footprint turns it as much as moving away from it would.
+        (if behind > 0.0 { 0.0 } else { SEEN }, safe_slack(behind, scale) / Pose::SIDEWAYS)
     }
     fn pose(&self) -> Pose {
         Pose::new(Fingerprint::of("orientation")).with_point(self.eye)
