@@ -86,6 +86,12 @@ impl Meta {
 #[cfg(feature = "write")]
 pub fn encode(columns: &Columns) -> Result<Vec<u8>, EncodeError> {
     check(columns)?;
+    pack(columns)
+}
+
+/// Packs columns that passed `check`.
+#[cfg(feature = "write")]
+fn pack(columns: &Columns) -> Result<Vec<u8>, EncodeError> {
     let lattice = Lattice::new(columns.grid);
     let base_count = columns.base.positions.len();
     let updates = columns.vertex.len();
@@ -705,4 +711,31 @@ fn sum_positions(
         }
     }
     Ok(positions)
+}
+
+#[cfg(all(test, feature = "write"))]
+mod tests {
+    use super::*;
+
+    /// Two splits of the only base vertex's descendants; the first splits `vertex`.
+    fn splits(vertex: u32) -> Vec<u8> {
+        let columns = Columns {
+            base: TriangleMesh { positions: vec![Vec3::ZERO], ..TriangleMesh::default() },
+            vertex: vec![VertexId(vertex), VertexId(2)],
+            sides: vec![0; 2],
+            positions: vec![[Vec3::X, Vec3::Y]; 2],
+            errors: vec![1.0; 2],
+            ..Columns::default()
+        };
+        pack(&columns).unwrap()
+    }
+
+    #[test]
+    fn a_vertex_that_does_not_exist_yet_cannot_split() {
+        assert!(decode(&splits(0), "x").is_ok());
+        for later in [1, 2, 3, 4] {
+            let error = decode(&splits(later), "x").unwrap_err();
+            assert!(error.to_string().contains("does not exist yet"), "{later}: {error}");
+        }
+    }
 }

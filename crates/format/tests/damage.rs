@@ -111,6 +111,27 @@ fn counts_that_promise_too_much_take_no_memory() {
     }
 }
 
+/// Here all counts agree with each other, and only the size of the page speaks against them.
+#[test]
+fn pages_shorter_than_their_updates_take_no_memory() {
+    let _alone = ALONE.lock();
+    let columns = plausible(Shape { updates: 40, bits: None, normals: false, colors: false, explicit: false }, 2);
+    let file = encode(&columns).unwrap();
+    let table = inspect(&file, "x").unwrap().sections.iter().find(|s| s.name == "UTAB").unwrap().offset as usize;
+    for count in [3_000u32, 1_000_000, 0x3fff_ffff] {
+        let mut changed = file.clone();
+        for at in [56 + 32 * 4 + 48, table + 4] {
+            assert_eq!(changed[at..at + 4], 40u32.to_le_bytes());
+            changed[at..at + 4].copy_from_slice(&count.to_le_bytes());
+        }
+        repair(&mut changed);
+        MEMORY.reset_peak_usage();
+        let before = MEMORY.current_usage();
+        assert!(matches!(decode(&changed, "x"), Err(ReadError::Damaged { section: "UTAB", .. })));
+        assert!(MEMORY.peak_usage() - before < 20_000, "{count}");
+    }
+}
+
 #[test]
 fn other_versions_models_and_parts_are_named() {
     let file = small_file();
