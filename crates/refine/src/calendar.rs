@@ -1,10 +1,10 @@
 //! When to look at a decision again: time wheels whose clocks are the distance that the view travels.
 //!
-//! The idea is ROAM's deferred queues (Duchaineau et al. 1997): a decision that cannot flip before the view has
+//! The idea is ROAM's deferred queues (`duchaineau1997`): a decision that cannot flip before the view has
 //! travelled its slack needs no look until then. Each cell of a coarse grid over the hierarchy has a wheel with a
 //! clock of its own, since the same step brings the view nearer to one place and takes it past another.
 //!
-//! A wheel is hierarchical (Varghese & Lauck 1987) but never cascades: an entry is filed on the ring whose slots
+//! A wheel is hierarchical (`varghese1987`) but never cascades: an entry is filed on the ring whose slots
 //! are between 1/8 and 1/32 of its slack wide, and is looked at when the clock enters its slot, at most 1/8 of its
 //! slack early. So an entry is an id, four bytes, and the wheel does not care whether the viewer is an orbit or
 //! a nostril away from the surface.

@@ -1,7 +1,6 @@
 //! One viewer's front, and the three strategies that move it.
 //!
-//! Based on the selective refinement of the Multi-Tessellation (De Floriani, Magillo & Puppo 1998; tutorial TH3 of
-//! Eurographics 2002: "Top-down approach", "Incremental approach", CONTRACTION and EXPANSION).
+//! Based on the selective refinement of the Multi-Tessellation (`defloriani1998`; the tutorial `defloriani2002`: "Top-down approach", "Incremental approach", CONTRACTION and EXPANSION).
 //!
 //! Where we differ: the tutorial puts every leaf of S and every update below the front into two queues, every
 //! frame. Footprints nest, so only *open decisions* can change first: updates not applied whose needs all are, and
@@ -28,8 +27,8 @@ use std::collections::{BinaryHeap, HashMap};
 
 /// One viewer's state: the closed set S, the live mesh Γ_S, and scratch.
 ///
-/// Apart from the mesh it holds three bits per update of the hierarchy, and for each open decision a calendar entry
-/// of 4 bytes (some 5 with slack).
+/// Apart from the mesh it holds three bits per update of the hierarchy, some 80 kB of wheels, and a calendar entry of
+/// 4 bytes (some 8 as they are packed) for each open decision: one for every eight active vertices of a scan.
 pub struct Front<H: MultiTessellation> {
     mesh: H::Mesh,
     applied: Bits,
@@ -123,7 +122,7 @@ const FRESH: usize = 512;
 const TICKS_PER_EXTENT: f64 = (1u64 << 17) as f64;
 
 impl<H: MultiTessellation> Front<H> {
-    /// A front at the base mesh. Costs a bit or three per update, and the base mesh.
+    /// A front at the base mesh. Copies that, and looks at every footprint once: 5 ms for half a million updates.
     pub fn new(h: &H) -> Front<H> {
         let grid = Grid::new(h);
         let ticks_per_unit = TICKS_PER_EXTENT / grid.extent as f64;

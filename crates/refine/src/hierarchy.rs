@@ -1,5 +1,5 @@
 //! The Multi-Tessellation as the engine sees it: updates, their dependencies and their footprints
-//! (De Floriani & Magillo, "The Multi-Tessellation", tutorial TH3 of Eurographics 2002).
+//! (`defloriani2002`, "The Multi-Tessellation").
 
 use glam::Vec3;
 

@@ -53,8 +53,8 @@ pub struct Outcome {
     pub coarsened: u32,
     /// How often the criterion was asked.
     pub evaluations: u32,
-    /// Open decisions: updates that could be applied or undone next. Visiting the whole front would ask the
-    /// criterion this often.
+    /// Open decisions: updates that could be applied or undone next. The strictest measure of a visit to the whole
+    /// front; a visit to every active vertex would ask the criterion some eight times as often.
     pub open: u32,
     /// Cells of the front.
     pub cells: usize,

@@ -22,7 +22,7 @@ impl Criterion for Uniform {
     }
 }
 
-/// Screen-space error (Hoppe 1997; the lecture's "when projected on the screen"): the error seen face on, in the
+/// Screen-space error (`hoppe1997`; the lecture's "when projected on the screen"): the error seen face on, in the
 /// middle of the picture, from the nearest point of the footprint's sphere.
 ///
 /// pixels = error · pixels_per_radian / max(|c − eye| − r, near)

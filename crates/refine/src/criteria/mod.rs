@@ -4,8 +4,8 @@
 //! [`Frustum`], [`Orientation`]. Places: [`Region`]. Combinators: [`Max`], [`Min`], [`Scale`], [`OutsideCoarse`];
 //! the minimum of an error and a switch is the error where the switch lets pass. [`view()`] is the usual composition.
 //!
-//! Everything is in mesh space. The three view-dependent criteria are those of Hoppe, "View-dependent refinement
-//! of progressive meshes" (1997), as in the lecture "Simplification II: Progressive meshes" (UBC).
+//! Everything is in mesh space. The three view-dependent criteria are those of view-dependent progressive meshes
+//! (`hoppe1997`), as in the lecture "Simplification II: Progressive meshes" (UBC).
 
 mod combine;
 mod error;

@@ -7,7 +7,7 @@ use glam::Vec3;
 const SEEN: f32 = f32::INFINITY;
 
 /// Whether the footprint's sphere reaches into the view frustum: outside where, for one plane,
-/// a·x + b·y + c·z + d < −r (the lecture's view-frustum criterion; Hoppe 1997).
+/// a·x + b·y + c·z + d < −r (`hoppe1997`; the lecture's view-frustum criterion).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {
     /// Left, right, bottom, top and near plane, normals inwards. There is no far plane.
