@@ -26,6 +26,9 @@ const TRIANGLE_GAP: u32 = 96;
 /// The most ranges of one update, per kind of slot.
 const MOST_RANGES: usize = 512;
 
+/// Less than any error that can be seen or computed, and still a number to calculate with.
+const LEAST_TOLERANCE_PX: f32 = 1e-6;
+
 #[wasm_bindgen]
 extern "C" {
     /// Milliseconds of the host's monotone clock.
@@ -50,12 +53,12 @@ impl Model {
     /// Reads the bytes of a `.front` file.
     ///
     /// # Errors
-    /// A JavaScript `Error` whose `name` is the kind (`not-front`, `too-new`, `damaged`) and whose message is the
-    /// reader's, beginning with `name`.
+    /// A JavaScript `Error` whose `name` is the kind (`not-front`, `too-new`, `damaged`) and whose message says what
+    /// is wrong where, beginning with `name`.
     #[wasm_bindgen(constructor)]
     pub fn new(bytes: &[u8], name: &str) -> Result<Model, js_sys::Error> {
-        let hierarchy = read(bytes, name).map_err(|error| {
-            let js = js_sys::Error::new(&error.to_string());
+        let hierarchy = read(bytes).map_err(|error| {
+            let js = js_sys::Error::new(&format!("{name}{}", what(&error)));
             js.set_name(kind(&error));
             js
         })?;
@@ -120,8 +123,10 @@ impl Model {
     ) -> Result<Frame, js_sys::RangeError> {
         let camera = camera_of(camera).ok_or_else(|| js_sys::RangeError::new("a camera has 13 numbers"))?;
         let inside = view(&camera, ViewOptions { frustum, orientation, outside: None });
+        // A tolerance of 0 would leave no unit to measure the outside of a region in.
+        let tolerance = tolerance_px.max(LEAST_TOLERANCE_PX);
         let request = Request {
-            tolerance: tolerance_px,
+            tolerance,
             max_cells: (max_triangles != u32::MAX).then_some(max_triangles as usize),
             deadline_us: Some(deadline_us),
             clock: clock_us,
@@ -137,7 +142,7 @@ impl Model {
         let outcome = match (shape, region.last()) {
             (Some(shape), Some(&error)) => {
                 // In units of the tolerance, so that one threshold serves both sides.
-                let outside = Scale { inner: Uniform, factor: tolerance_px / error };
+                let outside = Scale { inner: Uniform, factor: tolerance / error.max(f32::MIN_POSITIVE) };
                 front.adapt(hierarchy, &Region { shape, inside, outside }, &request)
             }
             _ => front.adapt(hierarchy, &inside, &request),
@@ -298,9 +303,10 @@ impl Frame {
     }
 }
 
-fn read(bytes: &[u8], name: &str) -> Result<EdgeCollapse, ReadError> {
-    let columns = meshfront_format::decode(bytes, name)?;
-    EdgeCollapse::new(columns).map_err(|source| ReadError::Hierarchy { file: name.to_owned(), source })
+/// Errors call the file nothing: `what` tells why.
+fn read(bytes: &[u8]) -> Result<EdgeCollapse, ReadError> {
+    let columns = meshfront_format::decode(bytes, "")?;
+    EdgeCollapse::new(columns).map_err(|source| ReadError::Hierarchy { file: String::new(), source })
 }
 
 fn camera_of(numbers: &[f32]) -> Option<Camera> {
@@ -308,6 +314,13 @@ fn camera_of(numbers: &[f32]) -> Option<Camera> {
     let vec3 = |i: usize| Vec3::new(numbers[i], numbers[i + 1], numbers[i + 2]);
     let [.., fov_y, width_px, height_px, near] = *numbers;
     Some(Camera { eye: vec3(0), target: vec3(3), up: vec3(6), fov_y, width_px, height_px, near })
+}
+
+/// The reader's message without its advice, which is for a terminal: `web/core/src/errors.ts` has that for a page.
+/// Both are one sentence, the advice after the first semicolon; a file's name might hold one too.
+fn what(error: &ReadError) -> String {
+    let message = error.to_string();
+    message.split_once("; ").map_or(&*message, |(what, _)| what).to_owned()
 }
 
 /// The kind of error, in the words of `web/core/src/errors.ts`.
@@ -318,5 +331,21 @@ fn kind(error: &ReadError) -> &'static str {
         ReadError::Io { .. } | ReadError::Length { .. } | ReadError::Damaged { .. } | ReadError::Hierarchy { .. } => {
             "damaged"
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_keep_the_place_and_leave_the_advice_to_the_page() {
+        let file = String::new;
+        let damaged = ReadError::Damaged { file: file(), section: "UPDT", offset: 2096, reason: "checksum is wrong" };
+        assert_eq!(what(&damaged), ": section `UPDT`, byte 2096: checksum is wrong");
+        let newer = ReadError::NewerVersion { file: file(), found: 9, known: 1 };
+        assert_eq!((kind(&newer), what(&newer).contains("version 9")), ("too-new", true));
+        let other = read(b"ply\nformat ascii 1.0\n").unwrap_err();
+        assert_eq!((kind(&other), &*what(&other)), ("not-front", ": not a .front file"));
     }
 }

@@ -11,6 +11,8 @@ export interface WorkerPort extends Port<Request, Reply> {
 
 /** How to open a model. */
 export interface OpenOptions {
+  /** What messages call the file; by default the last part of its address. */
+  name?: string;
   /** Told while the file arrives. */
   onProgress?: Progress;
   /** Gives up: `open` rejects with kind `closed`. */
@@ -60,10 +62,11 @@ export class MeshfrontClient {
     if (options.signal?.aborted) giveUp();
     options.signal?.addEventListener("abort", giveUp, { once: true });
     try {
+      const name = options.name ?? (source instanceof ArrayBuffer ? "the file" : String(source).split("/").pop()!);
       const reply =
         source instanceof ArrayBuffer
-          ? await line.ask({ type: "open", source }, [source])
-          : await line.ask({ type: "open", source: new URL(source, document.baseURI).href });
+          ? await line.ask({ type: "open", source, name }, [source])
+          : await line.ask({ type: "open", source: new URL(source, document.baseURI).href, name });
       if (reply.type !== "opened") throw unexpected(reply);
       return new MeshfrontClient(line, reply.info);
     } catch (thrown) {

@@ -28,7 +28,7 @@ export function serve(port: Port<Reply, Request>, load: LoadEngine, fetcher: typ
         const { source } = request;
         const progress = (loaded: number, total: number | undefined) => reply({ type: "progress", loaded, total });
         const bytes = typeof source === "string" ? await fetchBytes(source, progress, fetcher) : new Uint8Array(source);
-        engine = await load(bytes, typeof source === "string" ? fileName(source) : "the file");
+        engine = await load(bytes, request.name);
         reply({ type: "opened", info: engine.info });
         return;
       }
@@ -48,15 +48,6 @@ export function serve(port: Port<Reply, Request>, load: LoadEngine, fetcher: typ
       reply({ type: "failed", kind, message });
     });
   };
-}
-
-function fileName(url: string): string {
-  const file = new URL(url).pathname.split("/").pop() || url;
-  try {
-    return decodeURIComponent(file);
-  } catch {
-    return file; // a stray percent sign
-  }
 }
 
 function opened(engine: Engine | undefined): Engine {

@@ -3,7 +3,7 @@ import type { FlyByReport, FrameUpdate, ModelInfo, View } from "./view.js";
 
 /** Page → worker. One `open` comes first; every `adapt` and `fly-by` is answered once, in order. */
 export type Request =
-  | { type: "open"; source: string | ArrayBuffer }
+  | { type: "open"; source: string | ArrayBuffer; name: string }
   | { type: "adapt"; view: View }
   | { type: "fly-by" };
 

@@ -50,8 +50,8 @@ function worker(engine: Partial<Engine> = {}, fetcher?: typeof fetch) {
     views.push(view);
     return frameOf(view);
   };
-  const load = vi.fn(async (bytes: Uint8Array) => {
-    if (bytes[0] !== 77) throw Object.assign(new Error("byte 0 is wrong"), { name: "damaged" });
+  const load = vi.fn(async (bytes: Uint8Array, name: string) => {
+    if (bytes[0] !== 77) throw Object.assign(new Error(`${name}: byte 0 is wrong`), { name: "damaged" });
     return { info: INFO, adapt, flyBy: () => { throw new Error("no"); }, ...engine } as Engine;
   });
   serve(channel.port2 as unknown as Port<Reply, Request>, load, fetcher);
@@ -87,8 +87,8 @@ test("opens an address, and tells how far it is", async () => {
 
 test("what the reader throws keeps its kind and its words, and the worker ends", async () => {
   const { startWorker, port } = worker();
-  const failure = MeshfrontClient.open(Uint8Array.of(0).buffer, { startWorker });
-  await expect(failure).rejects.toMatchObject({ kind: "damaged", message: "byte 0 is wrong" });
+  const failure = MeshfrontClient.open(Uint8Array.of(0).buffer, { startWorker, name: "my scan" });
+  await expect(failure).rejects.toMatchObject({ kind: "damaged", message: "my scan: byte 0 is wrong" });
   await expect(failure).rejects.toHaveProperty("remedy", expect.stringContaining("meshfront build"));
   expect(port.terminate).toHaveBeenCalledOnce();
 });

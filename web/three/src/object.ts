@@ -6,8 +6,10 @@ import {
 import { applyFrame, emptyGeometry, frontGeometry } from "./buffers.js";
 import { meshView, sameView } from "./view.js";
 
-/** How a `MeshfrontObject` starts. All but `material` may be changed later on the object. */
+/** How a `MeshfrontObject` starts. Qualities may be changed later on the object. */
 export interface MeshfrontOptions {
+  /** What messages call the file; by default the last part of its address. */
+  name?: string;
   /** By default a standard material; vertex colours are switched on in it where the model has some. */
   material?: Material;
   /** Pixels that a drawn point may be from where the original surface would be drawn; 1 by default. */
@@ -76,7 +78,8 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
     this.tolerancePx = options.tolerancePx ?? 1;
     this.maxTriangles = options.maxTriangles ?? Infinity;
     this.deadlineMs = options.deadlineMs ?? 6;
-    this.ready = this.open(source);
+    this.name = options.name ?? "";
+    this.ready = this.open(source, options.name);
     // Who listens to `load-error` need not catch `ready` as well.
     this.ready.catch(() => {});
   }
@@ -137,11 +140,12 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
     return this.client;
   }
 
-  private async open(source: string | URL | ArrayBuffer): Promise<ModelInfo> {
+  private async open(source: string | URL | ArrayBuffer, name: string | undefined): Promise<ModelInfo> {
     try {
       const client = await MeshfrontClient.open(source, {
         onProgress: (loaded, total) => this.dispatchEvent({ type: "load-progress", loaded, total }),
         signal: this.closing.signal,
+        ...(name === undefined ? {} : { name }),
       });
       this.client = client;
       this.geometry = frontGeometry(client.info);

@@ -4,7 +4,7 @@ import { levelMaterial, MeshfrontObject, type FrameStats, type MeshfrontError } 
 import { Box3, type BufferGeometry, Mesh, MeshBasicMaterial, MeshStandardMaterial, Vector3 } from "three";
 import { count, element, makePanel } from "./panel.js";
 import { readCard, readParameters, type ModelCard, type Point } from "./parameters.js";
-import { makeStage, moveByKey } from "./stage.js";
+import { type Covered, makeStage, moveByKey } from "./stage.js";
 
 const parameters = readParameters(location.search);
 // Above two, more pixels cost more than they show.
@@ -20,7 +20,6 @@ const lines = new MeshBasicMaterial({ color: 0x11161c, wireframe: true, transpar
 // On a small screen the picture comes first.
 const details = element<HTMLDetailsElement>("panel");
 details.open = innerWidth > 640;
-details.hidden = !parameters.panel;
 
 let object: MeshfrontObject | undefined;
 let overlay: Mesh<BufferGeometry> | undefined;
@@ -69,10 +68,12 @@ function showAll(): void {
   dirty = true;
 }
 
-/** How much of the picture's right side lies under the panel. */
-function covered(): number {
-  const beside = details.open && !details.hidden && details.offsetWidth < innerWidth / 2;
-  return beside ? innerWidth - details.offsetLeft : 0;
+/** The panel lies beside the picture, or over its lower part where the page is narrow. */
+function covered(): Covered {
+  const { offsetLeft, offsetTop, offsetWidth, open, hidden } = details;
+  if (!open || hidden) return { right: 0, bottom: 0 };
+  const beside = offsetWidth < innerWidth / 2;
+  return beside ? { right: innerWidth - offsetLeft, bottom: 0 } : { right: 0, bottom: innerHeight - offsetTop };
 }
 
 function setCamera(eye: Point, target: Point): void {
@@ -88,12 +89,14 @@ function say(text: string): void {
 
 async function open(): Promise<void> {
   close();
+  showTools(false);
   element("failure").hidden = true;
   element("loading").hidden = false;
   element<HTMLProgressElement>("loading-bar").removeAttribute("value");
   const card = await readCard(parameters.model);
   describe(card);
   const loading = new MeshfrontObject(card.url, {
+    name: card.name,
     material: element<HTMLInputElement>("levels").checked ? byLevel : clay,
     tolerancePx: asked.tolerancePx,
     maxTriangles: asked.budget,
@@ -105,6 +108,7 @@ async function open(): Promise<void> {
   loading.addEventListener("needs-update", () => { dirty = true; });
   loading.addEventListener("load", ({ info }) => {
     element("loading").hidden = true;
+    showTools(parameters.panel);
     clay.color.set(info.hasColors ? 0xffffff : 0xd8c7b4);
     panel.setModel(info);
     panel.setTolerance(asked.tolerancePx);
@@ -125,6 +129,12 @@ function close(): void {
   object?.removeFromParent();
   object?.dispose();
   object = undefined;
+}
+
+/** Nothing can be set as long as nothing is shown. */
+function showTools(on: boolean): void {
+  details.hidden = !on;
+  element("help").hidden = !on;
 }
 
 function describe(card: ModelCard): void {
@@ -155,7 +165,13 @@ function fail(error: MeshfrontError): void {
   element("loading").hidden = true;
   element("failure-title").textContent = TITLES[error.kind];
   element("failure-what").textContent = error.message;
-  element("failure-remedy").textContent = error.remedy;
+  // What stands between backticks is to be typed.
+  const parts = error.remedy.split("`").map((part, i) => {
+    const code = document.createElement("code");
+    code.textContent = part;
+    return i % 2 ? code : part;
+  });
+  element("failure-remedy").replaceChildren(...parts);
   element("failure").hidden = false;
 }
 
@@ -188,8 +204,7 @@ element("picture").addEventListener("keydown", (event) => {
 });
 element("retry").addEventListener("click", () => void open());
 
-for (const id of ["name", "subtitle"]) element(id).hidden = !parameters.panel;
-document.querySelector<HTMLElement>(".help")!.hidden = !parameters.panel;
+element("title").hidden = !parameters.panel;
 
 lines.visible = parameters.wireframe;
 panel.setSwitch("wireframe", parameters.wireframe);

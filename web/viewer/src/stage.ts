@@ -5,13 +5,19 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
+/** How much of the picture's right or bottom side is covered, CSS pixels. */
+export interface Covered {
+  right: number;
+  bottom: number;
+}
+
 export interface Stage {
   renderer: WebGLRenderer;
   scene: Scene;
   camera: PerspectiveCamera;
   controls: OrbitControls;
-  /** Takes over the size of the canvas, whose right `covered` pixels lie under the panel; whether it changed. */
-  resize(covered: number): boolean;
+  /** Takes over the size of the canvas, part of which lies under the panel; whether it changed. */
+  resize(covered: Covered): boolean;
   /** Puts the camera where all corners of the model's box are seen from. */
   showAll(box: Box3): void;
   /** Near and far plane around the model as it is seen now. */
@@ -23,9 +29,6 @@ const FOV = 40;
 /** Seen from a little to the right and above, as one would photograph a figure. */
 const FIRST_LOOK = new Vector3(0.38, 0.28, 0.88).normalize();
 
-/** The share of the picture that the model takes up at first. */
-const MARGIN = 0.92;
-
 export function makeStage(canvas: HTMLCanvasElement, pixelRatio: number): Stage {
   const renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: "high-performance" });
   renderer.setPixelRatio(pixelRatio);
@@ -36,8 +39,8 @@ export function makeStage(canvas: HTMLCanvasElement, pixelRatio: number): Stage 
 
   // The sky gives shape to what the key light does not reach; the key travels with the camera, so that relief always
   // shows, and a weak light from the other side keeps its shadows open.
-  scene.add(new HemisphereLight(0xe4ecf5, 0x4a3f36, 1.1));
-  const key = new DirectionalLight(0xfff1e0, 2.2);
+  scene.add(new HemisphereLight(0xe4ecf5, 0x3a322c, 0.85));
+  const key = new DirectionalLight(0xfff1e0, 2.5);
   key.position.set(-0.8, 1.0, 0.6);
   const fill = new DirectionalLight(0xcfe0ff, 0.5);
   fill.position.set(1, -0.2, 0.4);
@@ -49,24 +52,24 @@ export function makeStage(canvas: HTMLCanvasElement, pixelRatio: number): Stage 
   controls.dampingFactor = 0.12;
   controls.zoomToCursor = true;
   controls.zoomSpeed = 1.4;
-  let covered = 0;
+  let covered: Covered = { right: 0, bottom: 0 };
 
   return {
     renderer,
     scene,
     camera,
     controls,
-    resize(rightCovered) {
+    resize(now) {
       const { clientWidth: width, clientHeight: height } = canvas;
       if (width === 0 || height === 0) return false;
       const ratio = renderer.getPixelRatio();
       const same = canvas.width === Math.floor(width * ratio) && canvas.height === Math.floor(height * ratio);
-      if (same && covered === rightCovered) return false;
-      covered = rightCovered;
+      if (same && covered.right === now.right && covered.bottom === now.bottom) return false;
+      covered = now;
       if (!same) renderer.setSize(width, height, false);
       camera.aspect = width / height;
       // The middle of the picture is the middle of what can be seen of it.
-      camera.setViewOffset(width, height, covered / 2, 0, width, height);
+      camera.setViewOffset(width, height, covered.right / 2, covered.bottom / 2, width, height);
       return true;
     },
     showAll(box) {
@@ -76,14 +79,15 @@ export function makeStage(canvas: HTMLCanvasElement, pixelRatio: number): Stage 
       camera.updateMatrixWorld();
       const right = new Vector3().setFromMatrixColumn(camera.matrixWorld, 0);
       const up = new Vector3().setFromMatrixColumn(camera.matrixWorld, 1);
-      const tan = MARGIN * Math.tan((FOV * Math.PI) / 360);
       const { clientWidth, clientHeight } = canvas;
-      const tanAcross = (tan * Math.max(clientWidth - covered, 1)) / Math.max(clientHeight, 1);
+      const tanOfPixel = (2 * Math.tan((FOV * Math.PI) / 360)) / Math.max(clientHeight, 1);
+      const tanAcross = (tanOfPixel * Math.max(clientWidth - covered.right, 1)) / 2;
+      const tanUp = (tanOfPixel * Math.max(clientHeight - covered.bottom, 1)) / 2;
       let distance = 0;
       for (let corner = 0; corner < 8; corner++) {
         const x = new Vector3(corner & 1, (corner >> 1) & 1, corner >> 2);
         const at = box.getSize(new Vector3()).multiply(x).add(box.min).sub(center);
-        const needed = Math.max(Math.abs(at.dot(right)) / tanAcross, Math.abs(at.dot(up)) / tan);
+        const needed = Math.max(Math.abs(at.dot(right)) / tanAcross, Math.abs(at.dot(up)) / tanUp);
         distance = Math.max(distance, needed + at.dot(FIRST_LOOK));
       }
       const radius = box.min.distanceTo(center);

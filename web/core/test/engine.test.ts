@@ -1,0 +1,151 @@
+/** The real module on small real files. */
+
+import { readFileSync } from "node:fs";
+import { expect, test } from "vitest";
+import { applyRanges } from "../src/apply.js";
+import { loadEngine } from "../src/engine.js";
+import { MeshfrontError } from "../src/errors.js";
+import type { Engine } from "../src/host.js";
+import type { FrameUpdate, Region, View } from "../src/view.js";
+
+const module = readFileSync(new URL("../wasm/meshfront_wasm_bg.wasm", import.meta.url));
+const front = readFileSync(new URL("../../../testdata/front/v1-knot-lossless-painted.front", import.meta.url));
+const load = (bytes: Uint8Array) => loadEngine(bytes, "scan", module);
+
+const kindOf = async (bytes: Uint8Array) => {
+  const error = MeshfrontError.from(await load(bytes).catch((thrown: unknown) => thrown));
+  expect(error.message).toMatch(/^scan: /);
+  expect(error.remedy).not.toBe("");
+  return error.kind;
+};
+
+/** A view of the whole model from a direction, so many half diagonals away. */
+function lookAt({ info }: Engine, direction: [number, number, number], distance: number, tolerancePx = 0.1): View {
+  const center = info.min.map((low, i) => (low + info.max[i]!) / 2);
+  const radius = Math.hypot(...info.max.map((high, i) => high - center[i]!));
+  return {
+    eye: direction.map((d, i) => center[i]! + d * radius * distance) as unknown as View["eye"],
+    target: center as unknown as View["target"],
+    up: [0, 1, 0],
+    fovY: 0.8, width: 800, height: 600, near: 0.01 * radius,
+    tolerancePx, maxTriangles: Infinity, deadlineMs: Infinity, frustum: true, orientation: true,
+  };
+}
+
+/** What a renderer holds: columns that only ever get changed ranges. */
+class Mirror {
+  positions = new Float32Array(3e5);
+  normals = new Int16Array(4e5);
+  colors = new Uint8Array(4e5);
+  corners = new Uint32Array(6e5);
+  slots = 0;
+
+  apply({ vertices, triangles, triangleSlots }: FrameUpdate): void {
+    applyRanges(this.positions, vertices.ranges, vertices.positions, 3);
+    applyRanges(this.normals, vertices.ranges, vertices.normals, 4);
+    applyRanges(this.colors, vertices.ranges, vertices.colors, 4);
+    applyRanges(this.corners, triangles.ranges, triangles.corners, 3);
+    this.slots = triangleSlots;
+  }
+
+  /** Each triangle by the content of its corners, the first one first in order: the same whatever the slots. */
+  triangles(): string[] {
+    const corner = (slot: number) =>
+      [
+        ...this.positions.subarray(3 * slot, 3 * slot + 3),
+        ...this.normals.subarray(4 * slot, 4 * slot + 3),
+        ...this.colors.subarray(4 * slot, 4 * slot + 4),
+      ].join();
+    const all: string[] = [];
+    for (let t = 0; t < this.slots; t++) {
+      const [a, b, c] = this.corners.subarray(3 * t, 3 * t + 3) as unknown as [number, number, number];
+      if (a === b) continue;
+      const [x, y, z] = [corner(a), corner(b), corner(c)];
+      all.push([[x, y, z], [y, z, x], [z, x, y]].map((turned) => turned.join(" ")).sort()[0]!);
+    }
+    return all.sort();
+  }
+}
+
+test("changed ranges, one after the other, make the same mesh as one upload of everything", async () => {
+  const [walking, fresh] = [await load(front), await load(front)];
+  const mirror = new Mirror();
+  const walk: View[] = [
+    lookAt(walking, [0, 0, 1], 30),
+    lookAt(walking, [0, 0, 1], 2),
+    lookAt(walking, [0.7, 0.1, 0.7], 1.2),
+    { ...lookAt(walking, [0, 1, 0.1], 1.5), maxTriangles: 200 },
+    lookAt(walking, [0, 1, 0.1], 1.5, 1),
+    lookAt(walking, [-1, 0, 0], 1.1),
+  ];
+  let [updates, calls] = [0, 0];
+  for (const view of walk) {
+    for (let settled = false; !settled;) {
+      // So little time that most views take several calls.
+      const frame = walking.adapt({ ...view, deadlineMs: 0.02 });
+      mirror.apply(frame);
+      updates += frame.stats.refined + frame.stats.coarsened;
+      settled = frame.stats.settled;
+      calls++;
+    }
+  }
+  const straight = new Mirror();
+  const frame = fresh.adapt(walk.at(-1)!);
+  straight.apply(frame);
+  expect(calls).toBeGreaterThan(walk.length);
+  expect(updates).toBeGreaterThan(1.5 * frame.stats.refined);
+  expect(mirror.triangles()).toHaveLength(frame.stats.triangles);
+  expect(mirror.triangles()).toEqual(straight.triangles());
+});
+
+test("a view that is settled uploads nothing", async () => {
+  const engine = await load(front);
+  const view = lookAt(engine, [0, 0, 1], 2);
+  engine.adapt(view);
+  const again = engine.adapt(view);
+  expect(again.stats).toMatchObject({ settled: true, refined: 0, coarsened: 0, uploadBytes: 0 });
+});
+
+test("a budget and a tolerance are kept", async () => {
+  const engine = await load(front);
+  const view = lookAt(engine, [0, 0, 1], 1.5, 0.2);
+  const budget = Math.round(1.5 * engine.info.baseTriangles);
+  const bound = engine.adapt({ ...view, maxTriangles: budget }).stats;
+  expect(bound.budgetBound).toBe(true);
+  expect(bound.triangles).toBeLessThanOrEqual(budget);
+  const free = engine.adapt(view).stats;
+  expect(free.triangles).toBeGreaterThan(budget);
+  expect(free.errorPx).toBeLessThanOrEqual(0.2);
+});
+
+test("outside of a region another tolerance holds", async () => {
+  const all = await load(front);
+  const { info } = all;
+  const view = { ...lookAt(all, [0, 0, 1], 3, 0), orientation: false };
+  const trianglesWith = async (shape: Region["shape"], outsideError: number) =>
+    (await load(front)).adapt({ ...view, region: { shape, outsideError } }).stats.triangles;
+  const everything = all.adapt(view).stats.triangles;
+  const aside = { center: [1e6, 0, 0], radius: 1 } as const;
+  expect(everything).toBeGreaterThan(info.baseTriangles);
+  expect(await trianglesWith({ min: info.min, max: info.max }, Infinity)).toBe(everything);
+  expect(await trianglesWith(aside, Infinity)).toBe(info.baseTriangles);
+  expect(await trianglesWith(aside, 0)).toBe(everything);
+  const size = Math.hypot(...info.max.map((high, i) => high - info.min[i]!));
+  const between = await trianglesWith(aside, 0.02 * size);
+  expect(between).toBeGreaterThan(info.baseTriangles);
+  expect(between).toBeLessThan(everything);
+});
+
+test("something else, a page for example, is no .front file", async () => {
+  expect(await kindOf(new TextEncoder().encode("<!doctype html><title>404</title>"))).toBe("not-front");
+  expect(await kindOf(new Uint8Array())).toBe("not-front");
+});
+
+test("a file that is cut off or altered is damaged, wherever", async () => {
+  for (const part of [0.1, 0.5, 0.99]) {
+    expect(await kindOf(front.subarray(0, Math.floor(part * front.length)))).toBe("damaged");
+    const altered = Uint8Array.from(front);
+    altered[Math.floor(part * front.length)]! ^= 1;
+    expect(await kindOf(altered)).toBe("damaged");
+  }
+});

@@ -1,0 +1,247 @@
+/** The page of the real binary, in a real browser. Figures are printed; only promises are asserted. */
+
+import { execFileSync } from "node:child_process";
+import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { expect, test, type Page } from "@playwright/test";
+import pixelmatch from "pixelmatch";
+import { PNG } from "pngjs";
+import type { FlyByReport, FrameStats, ModelInfo, Vec3 } from "../core/src/index.js";
+import { binary, model, models, screenshots, view, type Server } from "./files.js";
+
+/** What the page offers to consoles. */
+interface Meshfront {
+  settled(): Promise<FrameStats>;
+  stats(): FrameStats | undefined;
+  info(): ModelInfo | undefined;
+  setCamera(eye: Vec3, target: Vec3): void;
+  setTolerance(px: number): void;
+  setBudget(triangles: number): void;
+  freeze(on: boolean): void;
+  flyBy(): Promise<FlyByReport>;
+  camera: { position: { toArray(): Vec3 } };
+  object: {
+    addEventListener(type: string, listener: () => void): void;
+    geometry: { attributes: Record<string, { array: ArrayBufferView }>; index: { array: ArrayBufferView } };
+  };
+}
+declare const window: {
+  meshfront: Meshfront;
+  innerWidth: number;
+  /** Bytes that were written into buffers, and into buffers made anew. */
+  uploads: { bytes: number; whole: number };
+  changed: { updates: number; bytes: number };
+};
+
+let server: Server;
+test.beforeAll(async () => { server = await view(model, "--credit", "A made-up scan, by procedure"); });
+test.afterAll(() => server.stop());
+
+async function open(page: Page, query = "", at = server): Promise<FrameStats> {
+  const errors: Error[] = [];
+  page.on("pageerror", (error) => errors.push(error));
+  await page.goto(at.url + query);
+  await page.waitForFunction(() => window.meshfront?.stats() !== undefined);
+  expect(errors).toEqual([]);
+  return settled(page);
+}
+const settled = (page: Page) => page.evaluate(() => window.meshfront.settled());
+const shot = (page: Page, name: string) => page.screenshot({ path: join(screenshots, `${name}.png`) });
+
+/** Eye and target on a line into the model's box: 1 is as far as the model is large. */
+async function lookFrom(page: Page, distance: number): Promise<FrameStats> {
+  await page.evaluate((distance) => {
+    const { min, max } = window.meshfront.info()!;
+    const center = [0, 1, 2].map((i) => (min[i]! + max[i]!) / 2) as unknown as Vec3;
+    const size = Math.hypot(...[0, 1, 2].map((i) => max[i]! - min[i]!));
+    window.meshfront.setCamera([center[0] + 0.3 * size * distance, center[1], center[2] + size * distance], center);
+  }, distance);
+  return settled(page);
+}
+
+test("the page loads, and says what it shows", async ({ page }) => {
+  const stats = await open(page);
+  await expect(page).toHaveTitle(/scan/);
+  await expect(page.getByText("A made-up scan, by procedure")).toBeVisible();
+  const triangles = stats.triangles.toLocaleString("en");
+  await expect(page.locator("#stat-triangles")).toContainText(`${triangles} of `);
+  await expect(page.locator("#status")).toContainText("is loaded");
+  await expect(page.getByRole("progressbar")).toBeHidden();
+  expect(stats.errorPx).toBeLessThanOrEqual(1);
+  await shot(page, "loaded");
+});
+
+test("it refines when dollying in, and coarsens when leaving", async ({ page }) => {
+  await open(page);
+  const start = (await lookFrom(page, 1.5)).triangles;
+  await page.mouse.move(300, 300);
+  for (let i = 0; i < 6; i++) await page.mouse.wheel(0, -300);
+  const near = (await settled(page)).triangles;
+  await shot(page, "near");
+  expect(near).toBeGreaterThan(1.2 * start);
+  for (let i = 0; i < 16; i++) await page.mouse.wheel(0, 300);
+  const far = (await settled(page)).triangles;
+  expect(far).toBeLessThan(0.5 * near);
+  expect((await lookFrom(page, 40)).triangles).toBeLessThan(far);
+});
+
+test("at 1 px the picture differs from the full one in at most 1 % of the pixels", async ({ page }) => {
+  const coarse = await open(page, "?panel=0&tolerance=1");
+  const ours = PNG.sync.read(await shot(page, "at-1px"));
+  await page.evaluate(() => window.meshfront.setTolerance(0));
+  const fine = await settled(page);
+  const full = PNG.sync.read(await shot(page, "at-0px"));
+  expect(fine.triangles).toBeGreaterThan(3 * coarse.triangles);
+  const { width, height } = full;
+  const difference = new PNG({ width, height });
+  const differing = pixelmatch(ours.data, full.data, difference.data, width, height);
+  writeFileSync(join(screenshots, "difference.png"), PNG.sync.write(difference));
+  console.log(`1 px: ${coarse.triangles} triangles, full: ${fine.triangles}; ${differing} of ${width * height} pixels differ`);
+  expect(differing).toBeLessThanOrEqual(0.01 * width * height);
+  // The other way round: a hundred times the tolerance can be seen.
+  await page.evaluate(() => window.meshfront.setTolerance(100));
+  await settled(page);
+  const rough = PNG.sync.read(await shot(page, "at-100px"));
+  expect(pixelmatch(rough.data, full.data, undefined, width, height)).toBeGreaterThan(0.01 * width * height);
+});
+
+test("a damaged file: what is wrong with it, and what to do", async ({ page }) => {
+  const damaged = join(models, "damaged.front");
+  const bytes = readFileSync(model);
+  bytes[Math.floor(bytes.length / 2)]! ^= 0xff;
+  writeFileSync(damaged, bytes);
+  const other = await view(damaged);
+  await page.goto(other.url);
+  const alert = page.getByRole("alert");
+  await expect(alert).toContainText("The file is damaged");
+  await expect(alert).toContainText("meshfront build");
+  await expect(alert).toContainText(/damaged\.front: .*byte \d+/);
+  await expect(page.getByRole("progressbar")).toBeHidden();
+  await shot(page, "damaged");
+  // Mended on disk, it opens.
+  copyFileSync(model, damaged);
+  await page.getByRole("button", { name: "Try again" }).click();
+  await expect(alert).toBeHidden();
+  await settled(page);
+  other.stop();
+});
+
+test("a missing file, and one that is no .front file", async ({ page }) => {
+  await page.goto(`${server.url}?model=nothing.front`);
+  await expect(page.getByRole("alert")).toContainText("There is no such file");
+  await expect(page.getByRole("alert")).toContainText("nothing.front");
+  await shot(page, "missing");
+  await page.goto(`${server.url}?model=index.html`);
+  await expect(page.getByRole("alert")).toContainText("This is not a .front file");
+});
+
+test("only changed ranges are uploaded", async ({ page }) => {
+  await page.addInitScript(() => {
+    window.uploads = { bytes: 0, whole: 0 };
+    const { prototype } = WebGL2RenderingContext as unknown as { prototype: Record<string, (...a: any[]) => void> };
+    const { bufferData, bufferSubData } = prototype;
+    prototype.bufferData = function (...a) {
+      if (ArrayBuffer.isView(a[1])) window.uploads.whole += a[1].byteLength;
+      bufferData!.apply(this, a);
+    };
+    prototype.bufferSubData = function (...a) {
+      window.uploads.bytes += a.length > 3 ? a[4] * a[2].BYTES_PER_ELEMENT : a[2].byteLength;
+      bufferSubData!.apply(this, a);
+    };
+  });
+  await open(page);
+  await lookFrom(page, 0.8);
+  // There and back once, so that the buffers are as long as they have to be.
+  await lookFrom(page, 0.79);
+  await page.evaluate(() => {
+    window.uploads = { bytes: 0, whole: 0 };
+    window.changed = { updates: 0, bytes: 0 };
+    window.meshfront.object.addEventListener("needs-update", () => {
+      const { refined, coarsened, uploadBytes } = window.meshfront.stats()!;
+      window.changed.updates += refined + coarsened;
+      window.changed.bytes += uploadBytes;
+    });
+  });
+  await lookFrom(page, 0.785);
+  const [uploads, changed] = await page.evaluate(() => [window.uploads, window.changed] as const);
+  const everything = await page.evaluate(() => {
+    const { attributes, index } = window.meshfront.object.geometry;
+    const columns = [...Object.values(attributes), index];
+    return columns.reduce((sum, { array }) => sum + array.byteLength, 0);
+  });
+  console.log(`upload: ${changed.updates} updates, ${uploads.bytes} bytes of ${everything}`);
+  expect(changed.updates).toBeGreaterThan(0);
+  expect(uploads.bytes).toBeGreaterThan(0);
+  // Neighbouring ranges may be joined on the way, with a number between them.
+  expect(uploads.bytes).toBeLessThanOrEqual(1.01 * changed.bytes);
+  expect(uploads.bytes).toBeLessThan(0.5 * everything);
+  expect(uploads.whole).toBe(0);
+});
+
+test("tolerance, budget and freezing", async ({ page }) => {
+  const start = await open(page);
+  await page.getByLabel("Tolerance").press("PageUp");
+  const coarser = await settled(page);
+  expect(coarser.triangles).toBeLessThan(start.triangles);
+  await page.evaluate(() => window.meshfront.setBudget(3000));
+  const small = await settled(page);
+  expect(small.triangles).toBeLessThanOrEqual(3000);
+  expect(small.triangles).toBeGreaterThan(2000);
+  await page.getByLabel("Freeze front").check();
+  const frozen = await lookFrom(page, 0.5);
+  expect(frozen.triangles).toBe(small.triangles);
+  await page.getByLabel("Freeze front").uncheck();
+  await page.getByLabel("Triangle budget").press("End");
+  expect((await settled(page)).triangles).toBeGreaterThan(3000);
+});
+
+test("wireframe and levels", async ({ page }) => {
+  await open(page, "?tolerance=4");
+  await page.getByLabel("Wireframe").check();
+  await page.getByLabel("Colour by level").check();
+  await settled(page);
+  await shot(page, "wireframe-levels");
+});
+
+test("a small screen, by keyboard alone", async ({ page }) => {
+  await page.setViewportSize({ width: 320, height: 568 });
+  await open(page);
+  const overflow = await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
+  expect(overflow).toBeLessThanOrEqual(0);
+  await shot(page, "small");
+  const eye = () => page.evaluate(() => window.meshfront.camera.position.toArray());
+  await page.keyboard.press("Tab");
+  await expect(page.locator("#picture")).toBeFocused();
+  const before = await eye();
+  await page.keyboard.press("ArrowLeft");
+  await expect.poll(eye).not.toEqual(before);
+  await page.keyboard.press("Tab");
+  await page.keyboard.press("Enter");
+  await expect(page.getByLabel("Tolerance")).toBeVisible();
+  await settled(page);
+  await shot(page, "small-panel");
+  for (const label of ["Tolerance", "Triangle budget", "Freeze front", "Wireframe", "Colour by level"]) {
+    await page.keyboard.press("Tab");
+    await expect(page.getByLabel(label)).toBeFocused();
+  }
+  await page.keyboard.press("Tab");
+  await expect(page.getByRole("button", { name: "Show all" })).toBeFocused();
+});
+
+test("the worker flies as the native engine does", async ({ page }) => {
+  await open(page);
+  const flights: FlyByReport[] = [];
+  for (let i = 0; i < 5; i++) flights.push(await page.evaluate(() => window.meshfront.flyBy()));
+  const worker = flights.sort((a, b) => a.meanMs - b.meanMs)[2]!;
+  const native = JSON.parse(execFileSync(binary, ["bench", model, "--json"], { encoding: "utf8" })).fly_by;
+  const row = (name: string, ms: { mean: number; p50: number; p99: number; max: number }) =>
+    `${name}: mean ${ms.mean.toFixed(3)}, median ${ms.p50.toFixed(3)}, p99 ${ms.p99.toFixed(3)}, worst ${ms.max.toFixed(2)} ms`;
+  console.log(row("fly-by, worker", { mean: worker.meanMs, p50: worker.p50Ms, p99: worker.p99Ms, max: worker.maxMs }));
+  console.log(row("fly-by, native", native.ms));
+  console.log(`fly-by, worker ÷ native: ${(worker.meanMs / native.ms.mean).toFixed(2)}`);
+  // The same work: rounding differs between machines, decisions hardly ever.
+  expect(worker.frames).toBe(native.frames);
+  expect(worker.updatesPerFrame / native.updates_per_frame).toBeCloseTo(1, 2);
+  expect(worker.activeTriangles / native.triangles_mean).toBeCloseTo(1, 2);
+  expect(worker.evaluationsPerFrame / native.evaluations_per_frame).toBeCloseTo(1, 1);
+});
