@@ -71,31 +71,63 @@ pub fn clean(mesh: &mut TriangleMesh) -> CleanReport {
     report
 }
 
-/// Points the triangles to the first of equal vertices; the others stay, unreferenced.
-fn weld(mesh: &mut TriangleMesh, report: &mut CleanReport) {
+/// Joins vertices at the same position whatever their attributes, then cleans. Returns how many were
+/// joined, and what cleaning did besides.
+///
+/// Closes the surface of a mesh that shows hard edges by normals (or colours) of its own on either side: the joined
+/// vertex gets the mean normal and the mean colour of its vertices, so such edges are shaded smoothly from then on.
+pub fn weld_seams(mesh: &mut TriangleMesh) -> (u64, CleanReport) {
     let TriangleMesh { positions, triangles, vertex } = mesh;
-    // -0.0 + 0.0 is 0.0, and every other number stays what it is.
-    let key = |i: u32| {
-        let i = i as usize;
-        let position = (positions[i] + Vec3::ZERO).to_array().map(f32::to_bits);
-        let normal = vertex.normals.get(i).map_or([0; 3], |&n| (n + Vec3::ZERO).to_array().map(f32::to_bits));
-        (position, normal, vertex.colors.get(i).map_or(0, |&c| u32::from_le_bytes(c)))
-    };
+    let first_equal = first_equals(positions.len(), positions, |i, j| positions[i as usize] == positions[j as usize]);
+    let joined = first_equal.iter().enumerate().filter(|&(i, &first)| i != first as usize).count() as u64;
+    let mut sums = vec![(Vec3::ZERO, [0u32; 4], 0u32); positions.len()];
+    for (i, &first) in first_equal.iter().enumerate() {
+        let (normal, color, count) = &mut sums[first as usize];
+        *normal += vertex.normals.get(i).copied().unwrap_or(Vec3::ZERO);
+        let rgba = vertex.colors.get(i).copied().unwrap_or([0; 4]);
+        (0..4).for_each(|c| color[c] += u32::from(rgba[c]));
+        *count += 1;
+    }
+    for (i, &(normal, color, count)) in sums.iter().enumerate().filter(|(_, s)| s.2 > 1) {
+        if let Some(slot) = vertex.normals.get_mut(i) {
+            // Opposite normals cancel: then the first one stays.
+            *slot = normal.try_normalize().unwrap_or(*slot);
+        }
+        if let Some(slot) = vertex.colors.get_mut(i) {
+            *slot = color.map(|sum| ((sum + count / 2) / count) as u8);
+        }
+    }
+    triangles.iter_mut().flatten().for_each(|v| *v = VertexId(first_equal[v.ix()]));
+    let mut report = clean(mesh);
+    report.vertices_unreferenced -= joined;
+    (joined, report)
+}
+
+/// For each of `n` vertices the first one that is `same`, which must have an equal position.
+fn first_equals(n: usize, positions: &[Vec3], same: impl Fn(u32, u32) -> bool) -> Vec<u32> {
     // Seeded per process: a file cannot be made so that all its vertices collide. The result does not depend on it.
     let hasher = DefaultHashBuilder::default();
-    // Attributes almost always agree where positions do, so the position alone is hashed.
+    // Attributes almost always agree where positions do, so the position alone is hashed. -0.0 + 0.0 is 0.0, and every
+    // other number stays what it is.
     let hash = |i: u32| {
         let [x, y, z] = (positions[i as usize] + Vec3::ZERO).to_array().map(|c| u64::from(c.to_bits()));
         hasher.hash_one((x << 32 | y, z))
     };
-    let mut table: HashTable<u32> = HashTable::with_capacity(positions.len());
-    let mut first_equal: Vec<u32> = Vec::with_capacity(positions.len());
-    for i in 0..positions.len() as u32 {
-        let entry = table.entry(hash(i), |&j| key(j) == key(i), |&j| hash(j));
-        let first = *entry.or_insert(i).get();
-        first_equal.push(first);
-        report.vertices_welded += u64::from(first != i);
-    }
+    let mut table: HashTable<u32> = HashTable::with_capacity(n);
+    (0..n as u32).map(|i| *table.entry(hash(i), |&j| same(i, j), |&j| hash(j)).or_insert(i).get()).collect()
+}
+
+/// Points the triangles to the first of equal vertices; the others stay, unreferenced.
+fn weld(mesh: &mut TriangleMesh, report: &mut CleanReport) {
+    let TriangleMesh { positions, triangles, vertex } = mesh;
+    let same = |i: u32, j: u32| {
+        let (i, j) = (i as usize, j as usize);
+        positions[i] == positions[j]
+            && vertex.normals.get(i) == vertex.normals.get(j)
+            && vertex.colors.get(i) == vertex.colors.get(j)
+    };
+    let first_equal = first_equals(positions.len(), positions, same);
+    report.vertices_welded = first_equal.iter().enumerate().filter(|&(i, &first)| i != first as usize).count() as u64;
     if report.vertices_welded > 0 {
         triangles.iter_mut().flatten().for_each(|v| *v = VertexId(first_equal[v.ix()]));
     }

@@ -1,7 +1,7 @@
 //! Files to meshes and back.
 //!
 //! [`read`] tells the format by the name's ending (`.gz` behind it is seen through), checks every count and index,
-//! triangulates polygons, cleans the mesh ([`crate::clean`]) and says in a [`ReadReport`] what it did. [`write`]
+//! triangulates polygons, cleans the mesh ([`crate::clean`]) and says in a [`ReadReport`] what it did. [`write()`]
 //! replaces nothing unless asked, and leaves either the whole new file or what was there before.
 //!
 //! | format | read                                                      | written                     | columns      |
@@ -12,8 +12,9 @@
 //! | STL    | text and binary                                           | binary                      | none         |
 //! | glTF   | `.glb`, `.gltf`; triangles, strips, fans; node transforms | `.glb`                      | normals, RGBA|
 //!
-//! Coordinates are stored in 32 bits and never rotated or scaled (glTF: brought to world space by the nodes).
-//! Reading holds the file's bytes and the mesh in memory: together at most about eight times the (decompressed) size.
+//! `.gz` may follow every ending. Coordinates are stored in 32 bits and never rotated or scaled (glTF: brought to world space by the nodes).
+//! Reading holds the file's bytes, the mesh and scratch for cleaning in memory: up to five times the (decompressed)
+//! size for ordinary files, less than 24 times for the worst that `tests/memory.rs` could make.
 
 mod error;
 mod gltf;
@@ -36,7 +37,7 @@ use flate2::write::GzEncoder;
 
 pub use error::{Place, ReadError, ReadErrorKind, UnknownFormat, WriteError};
 
-use crate::clean::{CleanReport, clean};
+use crate::clean::{CleanReport, clean, weld_seams};
 use crate::{Thousands, TriangleMesh};
 use error::Fail;
 use soup::Soup;
@@ -137,6 +138,8 @@ pub struct ReadReport {
     pub primitives_skipped: u64,
     /// What cleaning did.
     pub cleaned: CleanReport,
+    /// Vertices joined across attribute seams, where that was asked for.
+    pub seams_welded: u64,
     /// Vertices of the mesh.
     pub vertices: u64,
     /// Triangles of the mesh.
@@ -159,6 +162,7 @@ impl fmt::Display for ReadReport {
         if !self.cleaned.is_nothing() {
             write!(f, ", {}", self.cleaned)?;
         }
+        some(f, self.seams_welded, "1 vertex joined across a seam", "vertices joined across seams")?;
         write!(f, ": {} vertices, {} triangles", Thousands(self.vertices), Thousands(self.triangles))
     }
 }
@@ -167,13 +171,16 @@ impl fmt::Display for ReadReport {
 pub struct ReadOptions<'a> {
     /// Whether to [`clean`] the mesh. Default: yes.
     pub clean: bool,
+    /// Whether to join vertices that differ only in their attributes ([`weld_seams`]): the surface is closed, and hard
+    /// edges are lost. Default: no.
+    pub weld_seams: bool,
     /// Called about two hundred times while a file is read.
     pub progress: Option<&'a mut dyn FnMut(Progress)>,
 }
 
 impl Default for ReadOptions<'_> {
     fn default() -> Self {
-        ReadOptions { clean: true, progress: None }
+        ReadOptions { clean: true, weld_seams: false, progress: None }
     }
 }
 
@@ -277,21 +284,15 @@ fn read_from(
     folder: Option<&Path>,
     options: ReadOptions<'_>,
 ) -> Result<Source, ReadError> {
-    let mut ticker = Ticker::new(options.progress);
-    parse(bytes, format, folder, options.clean, &mut ticker).map_err(|Fail { place, kind }| ReadError {
+    parse(bytes, format, folder, options).map_err(|Fail { place, kind }| ReadError {
         name: name.to_owned(),
         place,
         kind,
     })
 }
 
-fn parse(
-    file: &[u8],
-    format: Format,
-    folder: Option<&Path>,
-    do_clean: bool,
-    ticker: &mut Ticker<'_>,
-) -> Result<Source, Fail> {
+fn parse(file: &[u8], format: Format, folder: Option<&Path>, options: ReadOptions<'_>) -> Result<Source, Fail> {
+    let ticker = &mut Ticker::new(options.progress);
     let inflated;
     let bytes = if file.starts_with(&[0x1f, 0x8b]) {
         inflated = inflate(file, ticker)?;
@@ -324,13 +325,21 @@ fn parse(
         normals_repaired,
         primitives_skipped: soup.primitives_skipped,
         cleaned: CleanReport::default(),
+        seams_welded: 0,
         vertices: 0,
         triangles: 0,
     };
     let Soup { mut mesh, .. } = soup;
-    if do_clean {
+    if options.clean {
         report.cleaned = clean(&mut mesh);
         report.cleaned.vertices_unreferenced += left_out;
+    }
+    if options.weld_seams {
+        let (joined, cleaned) = weld_seams(&mut mesh);
+        report.seams_welded = joined;
+        report.cleaned.vertices_unreferenced += cleaned.vertices_unreferenced;
+        report.cleaned.triangles_degenerate += cleaned.triangles_degenerate;
+        report.cleaned.triangles_duplicate += cleaned.triangles_duplicate;
     }
     if mesh.triangles.is_empty() {
         return Err(Fail::file(ReadErrorKind::NoTriangles { vertices: report.vertices_in_file }));

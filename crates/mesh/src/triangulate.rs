@@ -11,9 +11,9 @@ use glam::{DVec2, Vec3};
 const CAREFUL: usize = 32;
 /// An ear with at least this share of the quality of an equilateral triangle is good.
 const GOOD: f64 = 0.3;
-/// Tests of a point against an ear that a polygon may cost, per corner: plenty for polygons that people draw, and a
-/// bound on the time that a hostile one can take.
-const EFFORT: usize = 4096;
+/// Looks at a corner or at a point in an ear that a polygon may cost, per corner: plenty for polygons that people draw,
+/// and a bound on the time that a hostile one can take.
+const EFFORT: usize = 1024;
 
 /// Triangulates polygons one after the other, reusing its scratch memory.
 #[derive(Default)]
@@ -30,7 +30,7 @@ impl Triangulator {
     /// triangles still cover each side once, but may overlap or have no area. Nearly planar polygons are meant; a quad
     /// in space is cut along the diagonal that gives the better shaped pair. Fewer than three points give nothing.
     ///
-    /// Costs O(n²) for ordinary polygons and never more than 4096·n tests beyond that.
+    /// Costs O(n²) for ordinary polygons and never more than 1024·n such tests.
     pub fn triangulate(&mut self, points: &[Vec3]) -> &[[u32; 3]] {
         self.triangles.clear();
         let n = points.len();
@@ -71,11 +71,13 @@ impl Triangulator {
             let n = rest.len();
             let mut best = None;
             let mut flattest = None;
+            let mut any_convex = false;
             for step in 0..n {
                 let i = (start + step) % n;
                 let [a, b, c] = [rest[(i + n - 1) % n], rest[i], rest[(i + 1) % n]];
                 let [pa, pb, pc] = [a, b, c].map(|v| flat[v as usize]);
                 let quality = quality(pa, pb, pc);
+                effort = effort.saturating_sub(1);
                 if quality <= 0.0 {
                     // A corner on a straight side, or folded back: the last resort.
                     if quality == 0.0 && flattest.is_none() {
@@ -83,7 +85,11 @@ impl Triangulator {
                     }
                     continue;
                 }
-                if best.is_some_and(|(_, q)| quality <= q) || effort == 0 {
+                any_convex = true;
+                if effort == 0 {
+                    break;
+                }
+                if best.is_some_and(|(_, q)| quality <= q) {
                     continue;
                 }
                 let others = rest.iter().filter(|&&v| v != a && v != b && v != c);
@@ -96,7 +102,8 @@ impl Triangulator {
                     break;
                 }
             }
-            let Some(ear) = best.map(|(i, _)| i).or(flattest) else {
+            // Without a convex corner nothing is left that has an area.
+            let Some(ear) = best.map(|(i, _)| i).or(flattest.filter(|_| any_convex)) else {
                 break;
             };
             self.triangles.push([rest[(ear + n - 1) % n], rest[ear], rest[(ear + 1) % n]]);

@@ -117,6 +117,24 @@ fn report_counts_what_was_done_and_says_it_in_one_line() {
 }
 
 #[test]
+fn seams_stay_or_are_joined_as_asked() {
+    // A tetrahedron with a normal for each face: 12 vertices at 4 places.
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 -1\nvn 0 -1 0\nvn -1 0 0\nvn 1 1 1\n\
+                f 1//1 3//1 2//1\nf 1//2 2//2 4//2\nf 1//3 4//3 3//3\nf 2//4 3//4 4//4\n";
+    let read = |weld_seams| {
+        let options = ReadOptions { weld_seams, ..ReadOptions::default() };
+        io::read_bytes_with(text.as_bytes(), Format::Obj, "t.obj", options).unwrap()
+    };
+    assert_eq!(read(false).mesh.positions.len(), 12);
+    let joined = read(true);
+    assert_eq!((joined.mesh.positions.len(), joined.report.seams_welded), (4, 8));
+    assert_eq!(joined.report.cleaned.vertices_unreferenced, 0);
+    assert_eq!(surface(&joined.mesh), surface(&read(false).mesh));
+    let corner = joined.mesh.positions.iter().position(|&p| p == Vec3::ZERO).unwrap();
+    assert!(joined.mesh.vertex.normals[corner].abs_diff_eq(Vec3::splat(-(1f32 / 3.0).sqrt()), 1e-6));
+}
+
+#[test]
 fn gltf_nodes_place_turn_and_mirror() {
     let read = |node: &str, root: &str| {
         io::read_bytes(gltf_square(node, root).as_bytes(), Format::Gltf, "s.gltf").map(|s| s.mesh)

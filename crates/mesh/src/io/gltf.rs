@@ -16,6 +16,7 @@ use std::path::{Component, Path, PathBuf};
 use base64::Engine;
 use glam::{DMat3, DMat4, DQuat, DVec3, Vec3};
 use serde::Deserialize;
+use serde_json::value::RawValue;
 
 use super::Ticker;
 use super::error::{Fail, ReadErrorKind, quote};
@@ -35,8 +36,9 @@ struct Root<'a> {
     scene: Option<usize>,
     #[serde(default)]
     scenes: Vec<Scene>,
-    #[serde(default)]
-    nodes: Vec<Node>,
+    /// [`Node`]s, unread: in a file one may take three bytes, here a hundred.
+    #[serde(borrow, default)]
+    nodes: Vec<&'a RawValue>,
     #[serde(default)]
     meshes: Vec<Mesh>,
     #[serde(default)]
@@ -61,16 +63,15 @@ struct Scene {
     nodes: Vec<usize>,
 }
 
-/// Boxed where rare: a file can hold a node in three bytes.
 #[derive(Deserialize)]
 struct Node {
     #[serde(default)]
     children: Vec<usize>,
     mesh: Option<usize>,
-    matrix: Option<Box<[f64; 16]>>,
-    translation: Option<Box<[f64; 3]>>,
-    rotation: Option<Box<[f64; 4]>>,
-    scale: Option<Box<[f64; 3]>>,
+    matrix: Option<[f64; 16]>,
+    translation: Option<[f64; 3]>,
+    rotation: Option<[f64; 4]>,
+    scale: Option<[f64; 3]>,
 }
 
 #[derive(Deserialize)]
@@ -313,39 +314,53 @@ struct Merge<'a> {
 impl<'a> Merge<'a> {
     fn scene(&mut self, ticker: &mut Ticker<'_>) -> Result<(), Fail> {
         let root = self.root;
-        let mut stack: Vec<(usize, DMat4)> = match (root.scene, root.scenes.first()) {
-            (Some(i), _) => look_up(&root.scenes, i, "scene")?.nodes.iter().map(|&n| (n, DMat4::IDENTITY)).collect(),
-            (None, Some(scene)) => scene.nodes.iter().map(|&n| (n, DMat4::IDENTITY)).collect(),
-            // A library of parts: whatever has no parent, or meshes without nodes.
-            (None, None) => {
-                let mut is_child = vec![false; root.nodes.len()];
-                for &child in root.nodes.iter().flat_map(|n| &n.children) {
-                    if let Some(flag) = is_child.get_mut(child) {
-                        *flag = true;
-                    }
-                }
-                (0..root.nodes.len()).filter(|&i| !is_child[i]).map(|i| (i, DMat4::IDENTITY)).collect()
-            }
-        };
         if root.nodes.is_empty() {
             for mesh in &root.meshes {
                 self.mesh(mesh, DMat4::IDENTITY, ticker)?;
             }
         }
-        stack.reverse();
+        let roots = match (root.scene, root.scenes.first()) {
+            (Some(i), _) => look_up(&root.scenes, i, "scene")?.nodes.clone(),
+            (None, Some(scene)) => scene.nodes.clone(),
+            // A library of parts: whatever has no parent.
+            (None, None) => {
+                let mut is_child = vec![false; root.nodes.len()];
+                for i in 0..root.nodes.len() {
+                    for child in self.node(i)?.children {
+                        if let Some(flag) = is_child.get_mut(child) {
+                            *flag = true;
+                        }
+                    }
+                }
+                (0..root.nodes.len()).filter(|&i| !is_child[i]).collect()
+            }
+        };
         let mut seen = vec![false; root.nodes.len()];
-        while let Some((i, world_from_parent)) = stack.pop() {
-            let node = look_up(&root.nodes, i, "node")?;
+        // For each level above the current node: the siblings still to come, and where their parent is.
+        let mut path = vec![(roots.into_iter(), DMat4::IDENTITY)];
+        while let Some((siblings, world_from_parent)) = path.last_mut() {
+            let Some(i) = siblings.next() else {
+                path.pop();
+                continue;
+            };
+            let node = self.node(i)?;
             if std::mem::replace(&mut seen[i], true) {
                 return Err(unexpected("a tree of nodes", format!("node {i} with two parents")));
             }
-            let world_from_node = world_from_parent * parent_from_node(node);
+            let world_from_node = *world_from_parent * parent_from_node(&node);
             if let Some(mesh) = node.mesh {
                 self.mesh(look_up(&root.meshes, mesh, "mesh")?, world_from_node, ticker)?;
             }
-            stack.extend(node.children.iter().rev().map(|&child| (child, world_from_node)));
+            if !node.children.is_empty() {
+                path.push((node.children.into_iter(), world_from_node));
+            }
         }
         Ok(())
+    }
+
+    fn node(&self, i: usize) -> Result<Node, Fail> {
+        let json = look_up(&self.root.nodes, i, "node")?.get();
+        serde_json::from_str(json).map_err(|error| unexpected(format!("node {i}"), error.to_string()))
     }
 
     fn mesh(&mut self, mesh: &Mesh, world_from_mesh: DMat4, ticker: &mut Ticker<'_>) -> Result<(), Fail> {
@@ -572,9 +587,9 @@ fn parent_from_node(node: &Node) -> DMat4 {
     if let Some(matrix) = &node.matrix {
         return DMat4::from_cols_array(matrix);
     }
-    let scale = node.scale.as_ref().map_or(DVec3::ONE, |s| DVec3::from(**s));
-    let rotation = node.rotation.as_ref().map_or(DQuat::IDENTITY, |r| DQuat::from_array(**r));
-    let translation = node.translation.as_ref().map_or(DVec3::ZERO, |t| DVec3::from(**t));
+    let scale = node.scale.map_or(DVec3::ONE, DVec3::from);
+    let rotation = node.rotation.map_or(DQuat::IDENTITY, DQuat::from_array);
+    let translation = node.translation.map_or(DVec3::ZERO, DVec3::from);
     // A quaternion that is not a unit one would scale.
     let length = rotation.length();
     let rotation = if length > 0.0 && length.is_finite() { rotation / length } else { DQuat::IDENTITY };

@@ -8,6 +8,11 @@
 //!
 //! Texture coordinates, groups, materials, lines, points and curves are skipped. A vertex that faces use with several
 //! normals becomes several vertices, in the order of the points.
+//!
+//! Our own parser. `tobj` 4.0.5 names no line in its errors, lets NaN pass, cuts every polygon as a fan and is slower:
+//! for 103 MB of text it took 2.0 to 3.4 s (30 to 52 MB/s) and 450 MB of memory, where the whole of
+//! `cargo run --release -p meshfront-mesh --example read_time -- big.obj` took 0.7 s, cleaning included, and 214 MB
+//! (medians, runs taking turns on two busy cores).
 
 use std::io::{self, Write};
 
@@ -54,6 +59,7 @@ pub(super) fn read(bytes: &[u8], ticker: &mut Ticker<'_>) -> Result<Soup, Fail> 
                 while !text.line_is_done() {
                     let (v, n) = corner(&mut text, soup.mesh.positions.len(), normals.len())?;
                     corners.push(v);
+                    Soup::check_corners(corners.len()).map_err(|kind| text.fail_at(start, kind))?;
                     face_normals.push(n);
                 }
                 let before = soup.mesh.triangles.len();

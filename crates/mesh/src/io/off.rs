@@ -68,6 +68,7 @@ pub(super) fn read(bytes: &[u8], ticker: &mut Ticker<'_>) -> Result<Soup, Fail> 
         if size < 0 || size as usize > text.remaining() {
             return Err(too_many(&text, start, "corners", size, text.remaining() / 2));
         }
+        Soup::check_corners(size as usize).map_err(|kind| text.fail_at(start, kind))?;
         corners.clear();
         for _ in 0..size {
             text.skip_space_and_comments();

@@ -6,6 +6,9 @@ use super::error::{Fail, ReadErrorKind};
 use crate::triangulate::Triangulator;
 use crate::{TriangleMesh, VertexId};
 
+/// More corners than faces of real meshes have: bounds the time and memory that one face can take.
+const MOST_CORNERS: usize = 65_535;
+
 /// Vertices and faces as they stand in a file, indices checked by the reader.
 #[derive(Default)]
 pub(super) struct Soup {
@@ -26,6 +29,16 @@ impl Soup {
     /// No faces yet, of a file with so many vertices.
     pub fn new(vertices_in_file: u64) -> Soup {
         Soup { vertices_in_file, ..Soup::default() }
+    }
+
+    /// Whether a face may have so many corners; to be asked before they are collected.
+    #[inline]
+    pub fn check_corners(corners: usize) -> Result<(), ReadErrorKind> {
+        if corners <= MOST_CORNERS {
+            return Ok(());
+        }
+        let what = format!("a face of more than {MOST_CORNERS} corners");
+        Err(ReadErrorKind::Unsupported { what, remedy: "triangulate the mesh in the program that made it" })
     }
 
     /// A face of any number of corners.

@@ -7,6 +7,8 @@
 //!
 //! Many binary files start with the word `solid` too, so a file is binary where its length fits its count. Facet
 //! normals and the colours that some programs hide in the last two bytes are skipped.
+//!
+//! Our own parser: `stl_io` 0.11 takes NaN from binary files, and its errors name no line or byte.
 
 use std::io::{self, Write};
 
@@ -101,6 +103,7 @@ fn read_text(bytes: &[u8], ticker: &mut Ticker<'_>) -> Result<Soup, Fail> {
                 let position =
                     Vec3::new(number("an x coordinate")?, number("a y coordinate")?, number("a z coordinate")?);
                 corners.push(soup.mesh.positions.len() as u32);
+                Soup::check_corners(corners.len()).map_err(|kind| text.fail(kind))?;
                 soup.mesh.positions.push(position);
             }
             word(&mut text, "endfacet")?;
