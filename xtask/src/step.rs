@@ -144,3 +144,34 @@ pub fn newest(path: &Path) -> SystemTime {
 pub fn is_fresh<P: AsRef<Path>>(output: &Path, inputs: &[P]) -> bool {
     output.exists() && inputs.iter().all(|input| newest(input.as_ref()) <= newest(output))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs::{self, File};
+
+    #[test]
+    fn an_output_is_stale_once_something_below_its_input_is_newer_but_not_an_installed_package() {
+        let dir = target_dir().join(format!("xtask-test-{}", std::process::id()));
+        fs::create_dir_all(dir.join("src/node_modules")).unwrap();
+        let at = |name: &str, seconds: u64| {
+            let file = File::create(dir.join(name)).unwrap();
+            file.set_modified(SystemTime::UNIX_EPOCH + Duration::from_secs(seconds)).unwrap();
+        };
+        let fresh = || is_fresh(&dir.join("output"), &[dir.join("src")]);
+        at("src/input", 100);
+        assert!(!fresh(), "there is no output");
+        at("output", 200);
+        at("src/node_modules/package", 300);
+        assert!(fresh());
+        at("src/input", 400);
+        assert!(!fresh());
+        fs::remove_dir_all(&dir).unwrap();
+    }
+
+    #[test]
+    fn failures_name_the_command_and_the_remedy() {
+        let error = run(&mut command("no-such-program"), "install it").unwrap_err().to_string();
+        assert_eq!(error, "cannot start `no-such-program`: install it");
+    }
+}
