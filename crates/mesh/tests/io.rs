@@ -496,7 +496,7 @@ proptest! {
         let mut mesh = TriangleMesh {
             positions: points.iter().enumerate().map(|(i, &p)| Vec3::new(f32::from(p), (i % 4) as f32, 0.0)).collect(),
             triangles: triangles.iter().map(|t| t.map(|i| VertexId(u32::from(i) % n))).collect(),
-            vertex: VertexColumns { colors: (0..n).map(|i| [(i % 2) as u8, 0, 0, 0]).collect(), ..Default::default() },
+            vertex: VertexColumns { colors: (0..n).map(|i| [(i / 4 % 2) as u8, 0, 0, 0]).collect(), ..Default::default() },
         };
         let before = mesh.clone();
         let key = |m: &TriangleMesh, v: VertexId| (m.positions[v.ix()].to_array().map(f32::to_bits), m.vertex.colors[v.ix()]);
