@@ -3,9 +3,11 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use meshfront::hierarchies::edge_collapse::Columns;
+use meshfront::mesh::Bounds;
 use meshfront::mesh::io::ReadReport;
-use meshfront::refine::{MultiTessellation, UpdateId};
-use meshfront::{EdgeCollapse, EdgeCollapseOptions, edge_collapse, format};
+use meshfront::simplify::edge_collapse_columns;
+use meshfront::{EdgeCollapseOptions, format};
 
 use crate::args::{Build, Precision, Threads};
 use crate::progress::Phases;
@@ -14,24 +16,24 @@ use crate::{input, interrupt, output, text};
 pub fn run(args: &Build, quiet: bool) -> Result<()> {
     output::check(&args.output, &[&args.source], args.force)?;
     let phases = Phases::new(quiet);
-    let (hierarchy, report) = hierarchy_of(&args.source, args.precision, args.threads, &phases)?;
+    let (columns, report) = columns_of(&args.source, args.precision, args.threads, &phases)?;
     phases.start("write");
     let options = format::WriteOptions { overwrite: args.force };
-    let written = interrupt::uninterrupted(|| format::write(&args.output, &hierarchy, &options))?;
+    let written = interrupt::uninterrupted(|| format::write_columns(&args.output, &columns, &options))?;
     let times = phases.finish();
     if !quiet {
-        eprintln!("{}", summary(&args.output, &hierarchy, &report, written.bytes, &times));
+        eprintln!("{}", summary(&args.output, &columns, &report, written.bytes, &times));
     }
     Ok(())
 }
 
-/// Reads a mesh and builds its hierarchy.
-pub fn hierarchy_of(
+/// Reads a mesh and builds what is stored of its hierarchy.
+pub fn columns_of(
     source: &Path,
     precision: Precision,
     threads: Threads,
     phases: &Phases,
-) -> Result<(EdgeCollapse, ReadReport)> {
+) -> Result<(Columns, ReadReport)> {
     let name = source.display();
     if input::is_front(source)? {
         return Err(output::Usage(format!("{name}: is a hierarchy already; `meshfront view {name}` shows it")).into());
@@ -43,25 +45,25 @@ pub fn hierarchy_of(
             bits: (!precision.lossless).then_some(precision.bits),
             ..EdgeCollapseOptions::default()
         };
-        let hierarchy = edge_collapse(&source.mesh, &options, phases).with_context(|| name.to_string())?;
-        Ok((hierarchy, source.report))
+        let columns = edge_collapse_columns(&source.mesh, &options, phases).with_context(|| name.to_string())?;
+        Ok((columns, source.report))
     })
 }
 
 /// Everything worth knowing about a build, on one line.
-fn summary(output: &Path, hierarchy: &EdgeCollapse, report: &ReadReport, bytes: u64, times: &str) -> String {
-    let diagonal = hierarchy.bounds().diagonal() as f64;
+fn summary(output: &Path, columns: &Columns, report: &ReadReport, bytes: u64, times: &str) -> String {
+    let points: Vec<_> = columns.base.positions.iter().chain(columns.positions.iter().flatten()).copied().collect();
+    let diagonal = Bounds::of(&points).map_or(0.0, |b| b.diagonal() as f64);
     let relative = |error: f32| if diagonal > 0.0 { error as f64 / diagonal } else { 0.0 };
-    let coarsest =
-        (0..hierarchy.len() as u32).map(|m| hierarchy.error(UpdateId(m))).fold(hierarchy.floor_error(), f32::max);
+    let coarsest = columns.errors.iter().copied().fold(columns.floor_error, f32::max);
     format!(
         "{} from {report}; base mesh of {} triangles; promised error {} to {} ({} to {} of the diagonal); {}, {:.2} \
          bytes per vertex; {times}",
         output.display(),
-        text::count(hierarchy.base_mesh().triangles.len() as u64),
-        text::length(hierarchy.floor_error() as f64),
+        text::count(columns.base.triangles.len() as u64),
+        text::length(columns.floor_error as f64),
         text::length(coarsest as f64),
-        text::percent(relative(hierarchy.floor_error())),
+        text::percent(relative(columns.floor_error)),
         text::percent(relative(coarsest)),
         text::bytes(bytes),
         bytes as f64 / report.vertices.max(1) as f64,

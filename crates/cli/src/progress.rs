@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use meshfront::simplify::Progress;
 
 use crate::text;
@@ -65,11 +65,17 @@ impl Progress for Phases {
             (ProgressBar::with_draw_target(None, target), "{msg:>10} {spinner} {elapsed}".to_owned())
         } else {
             let template =
-                format!("{{msg:>10}} {{wide_bar}} {{human_pos}}/{{human_len}} {unit}, {{per_sec}}, {{eta}} left");
+                format!("{{msg:>10}} {{wide_bar}} {{human_pos}}/{{human_len}} {unit}, {{rate}}/s, {{eta}} left");
             (ProgressBar::with_draw_target(Some(total), target), template)
         };
         // The templates are the two above: a mistake in them shows in the first test on a terminal, as plain bars.
-        let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
+        let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar()).with_key(
+            "rate",
+            |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+                // A bar that cannot be drawn is no reason to fail.
+                let _ = out.write_str(&text::count(state.per_sec() as u64));
+            },
+        );
         let bar = bar.with_style(style).with_message(name);
         if self.draw {
             bar.enable_steady_tick(Duration::from_millis(200));

@@ -47,8 +47,8 @@ pub fn run(args: &View, quiet: bool) -> Result<()> {
         let front = folder.path().join("model.front");
         let phases = Phases::new(quiet);
         let precision = Precision { bits: 16, lossless: false };
-        let (hierarchy, _) = build::hierarchy_of(&args.file, precision, Threads::AUTO, &phases)?;
-        interrupt::uninterrupted(|| format::write(&front, &hierarchy, &format::WriteOptions::default()))?;
+        let (columns, _) = build::columns_of(&args.file, precision, Threads::AUTO, &phases)?;
+        interrupt::uninterrupted(|| format::write_columns(&front, &columns, &format::WriteOptions::default()))?;
         phases.finish();
         if !quiet {
             let path = args.file.display();
