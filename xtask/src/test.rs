@@ -82,7 +82,9 @@ pub fn test(all: bool) -> Result<()> {
         )
         .map(passed)
     });
-    steps.run_after(page, "cargo test", || run(cargo().args(["test", "--locked"]).args(OURS), SAYS_WHY).map(passed));
+    steps.run_after(page, "cargo test", || {
+        run(cargo().args(["test", "--locked", "--no-fail-fast"]).args(OURS), SAYS_WHY).map(passed)
+    });
     let binary = steps.run_after(page, "release binary", || demo::release_binary().map(|_| Outcome::Passed));
     steps.run_after(page, "vitest", || {
         run(npm().args(["run", "check"]), SAYS_WHY)?;
