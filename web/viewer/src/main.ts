@@ -17,9 +17,12 @@ const clay = new MeshStandardMaterial({
 const byLevel = levelMaterial({ polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
 const lines = new MeshBasicMaterial({ color: 0x11161c, wireframe: true, transparent: true, opacity: 0.4 });
 
+/** The same as in `style.css`, CSS pixels. */
+const NARROW = 640;
+
 // On a small screen the picture comes first.
 const details = element<HTMLDetailsElement>("panel");
-details.open = innerWidth > 640;
+details.open = innerWidth > NARROW;
 
 let object: MeshfrontObject | undefined;
 let overlay: Mesh<BufferGeometry> | undefined;
@@ -68,12 +71,13 @@ function showAll(): void {
   dirty = true;
 }
 
-/** The panel lies beside the picture, or over its lower part where the page is narrow. */
+/** The panel lies beside the picture, or under it where the page is narrow: then the title is above it. */
 function covered(): Covered {
-  const { offsetLeft, offsetTop, offsetWidth, open, hidden } = details;
-  if (!open || hidden) return { right: 0, bottom: 0 };
-  const beside = offsetWidth < innerWidth / 2;
-  return beside ? { right: innerWidth - offsetLeft, bottom: 0 } : { right: 0, bottom: innerHeight - offsetTop };
+  const { offsetLeft, offsetTop, hidden, open } = details;
+  if (hidden) return { top: 0, right: 0, bottom: 0 };
+  if (innerWidth > NARROW) return { top: 0, right: open ? innerWidth - offsetLeft : 0, bottom: 0 };
+  const title = element("title");
+  return { top: title.offsetTop + title.offsetHeight, right: 0, bottom: innerHeight - offsetTop };
 }
 
 function setCamera(eye: Point, target: Point): void {

@@ -5,8 +5,9 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
-/** How much of the picture's right or bottom side is covered, CSS pixels. */
+/** How much of the picture's sides is covered, CSS pixels. */
 export interface Covered {
+  top: number;
   right: number;
   bottom: number;
 }
@@ -52,7 +53,7 @@ export function makeStage(canvas: HTMLCanvasElement, pixelRatio: number): Stage 
   controls.dampingFactor = 0.12;
   controls.zoomToCursor = true;
   controls.zoomSpeed = 1.4;
-  let covered: Covered = { right: 0, bottom: 0 };
+  let covered: Covered = { top: 0, right: 0, bottom: 0 };
 
   return {
     renderer,
@@ -64,12 +65,12 @@ export function makeStage(canvas: HTMLCanvasElement, pixelRatio: number): Stage 
       if (width === 0 || height === 0) return false;
       const ratio = renderer.getPixelRatio();
       const same = canvas.width === Math.floor(width * ratio) && canvas.height === Math.floor(height * ratio);
-      if (same && covered.right === now.right && covered.bottom === now.bottom) return false;
+      if (same && covered.top === now.top && covered.right === now.right && covered.bottom === now.bottom) return false;
       covered = now;
       if (!same) renderer.setSize(width, height, false);
       camera.aspect = width / height;
       // The middle of the picture is the middle of what can be seen of it.
-      camera.setViewOffset(width, height, covered.right / 2, covered.bottom / 2, width, height);
+      camera.setViewOffset(width, height, covered.right / 2, (covered.bottom - covered.top) / 2, width, height);
       return true;
     },
     showAll(box) {
@@ -82,7 +83,7 @@ export function makeStage(canvas: HTMLCanvasElement, pixelRatio: number): Stage 
       const { clientWidth, clientHeight } = canvas;
       const tanOfPixel = (2 * Math.tan((FOV * Math.PI) / 360)) / Math.max(clientHeight, 1);
       const tanAcross = (tanOfPixel * Math.max(clientWidth - covered.right, 1)) / 2;
-      const tanUp = (tanOfPixel * Math.max(clientHeight - covered.bottom, 1)) / 2;
+      const tanUp = (tanOfPixel * Math.max(clientHeight - covered.top - covered.bottom, 1)) / 2;
       let distance = 0;
       for (let corner = 0; corner < 8; corner++) {
         const x = new Vector3(corner & 1, (corner >> 1) & 1, corner >> 2);
