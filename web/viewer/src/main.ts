@@ -149,9 +149,16 @@ function describe(card: ModelCard): void {
 }
 
 function showProgress(name: string, loaded: number, total: number | undefined): void {
+  const bar = element<HTMLProgressElement>("loading-bar");
+  if (loaded === total) {
+    // The worker checks the file and derives what is not stored: for millions of triangles that takes seconds.
+    element("loading-text").textContent = `Opening ${name} …`;
+    bar.removeAttribute("value");
+    return;
+  }
   const done = total ? `${Math.round((100 * loaded) / total)} %` : `${(loaded / 1e6).toFixed(1)} MB`;
   element("loading-text").textContent = `Loading ${name} … ${done}`;
-  if (total) element<HTMLProgressElement>("loading-bar").value = loaded / total;
+  if (total) bar.value = loaded / total;
 }
 
 const TITLES: Record<MeshfrontError["kind"], string> = {
