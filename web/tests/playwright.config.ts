@@ -21,7 +21,7 @@ export default defineConfig({
   reporter: "list",
   // Pictures are drawn in software where there is no graphics card: one page at a time, and patience.
   workers: 1,
-  timeout: 90_000,
+  timeout: 180_000,
   expect: { timeout: 30_000 },
   globalSetup: fileURLToPath(new URL("setup.ts", import.meta.url)),
   use: {
