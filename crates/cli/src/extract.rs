@@ -4,7 +4,7 @@ use anyhow::{Result, bail};
 use meshfront::compare::Surface;
 use meshfront::refine::criteria::{Region, Scale, Uniform};
 use meshfront::refine::{Camera, Criterion, MultiTessellation, Request, ViewOptions, view};
-use meshfront::{EdgeCollapse, Extracted, extract};
+use meshfront::{EdgeCollapse, Extracted, extract, extract_cells};
 
 use crate::args::{Extract, Tolerance};
 use crate::progress::Phases;
@@ -18,7 +18,10 @@ pub fn run(args: &Extract, quiet: bool) -> Result<()> {
     let hierarchy = input::hierarchy(&args.file)?;
     phases.start("refine");
     let wanted = Wanted::of(args, &hierarchy);
-    let extracted = extract(&hierarchy, &wanted.criterion, &wanted.request);
+    let extracted = match wanted.request.max_cells {
+        Some(most) if args.region.is_none() => extract_cells(&hierarchy, most),
+        _ => extract(&hierarchy, &wanted.criterion, &wanted.request),
+    };
     if let Some(most) = wanted.request.max_cells
         && extracted.mesh.triangles.len() > most
     {

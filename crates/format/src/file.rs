@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use meshfront_hierarchies::EdgeCollapse;
+#[cfg(feature = "write")]
+use meshfront_hierarchies::edge_collapse::Columns;
 
 #[cfg(feature = "write")]
 use crate::error::WriteError;
@@ -60,6 +62,14 @@ pub struct Written {
 /// or the system refuses.
 #[cfg(feature = "write")]
 pub fn write(path: impl AsRef<Path>, hierarchy: &EdgeCollapse, options: &WriteOptions) -> Result<Written, WriteError> {
+    write_columns(path, &hierarchy.columns(), options)
+}
+
+/// As [`write`], from the stored columns alone: who only builds a file need not derive the rest.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_columns(path: impl AsRef<Path>, columns: &Columns, options: &WriteOptions) -> Result<Written, WriteError> {
     use std::io::Write;
     let path = path.as_ref();
     let exists = || WriteError::Exists { path: path.to_owned() };
@@ -67,7 +77,7 @@ pub fn write(path: impl AsRef<Path>, hierarchy: &EdgeCollapse, options: &WriteOp
     if !options.overwrite && path.symlink_metadata().is_ok() {
         return Err(exists());
     }
-    let bytes = crate::encode(&hierarchy.columns())?;
+    let bytes = crate::encode(columns)?;
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

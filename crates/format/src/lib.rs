@@ -26,6 +26,6 @@ pub use error::ReadError;
 #[cfg(feature = "write")]
 pub use error::{EncodeError, WriteError};
 #[cfg(feature = "write")]
-pub use file::{WriteOptions, Written, write};
+pub use file::{WriteOptions, Written, write, write_columns};
 pub use file::{inspect_file, read};
 pub use meshfront_hierarchies::edge_collapse::round_error_up;

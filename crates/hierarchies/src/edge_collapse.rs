@@ -48,6 +48,7 @@ pub struct EdgeCollapse {
     source_normals: bool,
     colors: Vec<[[u8; 4]; 2]>,
     brief: Vec<Brief>,
+    costs: Vec<f32>,
     footprints: Vec<PackedFootprint>,
     frame: Frame,
     needs: Arcs,
@@ -169,6 +170,12 @@ impl EdgeCollapse {
     pub fn error(&self, m: UpdateId) -> f32 {
         self.footprints[m.ix()].error
     }
+    /// What leaving an update out costs the mesh as a whole: squared distance times area, of its own cells or of the
+    /// worst update that needs it. Where the error says how far the worst point is, this says which of two updates does
+    /// more for the mean: a mesh of a given number of cells takes the dearest.
+    pub fn cost(&self, m: UpdateId) -> f32 {
+        self.costs[m.ix()]
+    }
     /// Direct needs of an update, ascending; what follows by transitivity may be left out.
     pub fn needs_of(&self, m: UpdateId) -> &[UpdateId] {
         self.needs.of(m.ix())
@@ -195,6 +202,7 @@ impl EdgeCollapse {
             + size_of_val(&self.normals[..])
             + size_of_val(&self.colors[..])
             + size_of_val(&self.brief[..])
+            + size_of_val(&self.costs[..])
             + size_of_val(&self.footprints[..])
             + size_of_val(&self.roots[..])
             + size_of_val(&self.base.positions[..])

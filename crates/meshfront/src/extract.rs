@@ -36,6 +36,33 @@ pub fn extract(hierarchy: &EdgeCollapse, criterion: &impl Criterion, request: &R
     }
 }
 
+/// The mesh of at most so many cells that is best on the whole: updates in order of [`EdgeCollapse::cost`], as far as they
+/// fit. `criterion_error` is the error.
+pub fn extract_cells(hierarchy: &EdgeCollapse, most: usize) -> Extracted {
+    let mut order: Vec<UpdateId> = (0..hierarchy.len() as u32).map(UpdateId).collect();
+    // What an update needs costs no less and has a smaller number: in this order nothing is missing.
+    order.sort_by(|&a, &b| hierarchy.cost(b).total_cmp(&hierarchy.cost(a)).then(a.cmp(&b)));
+    let mut mesh = hierarchy.base();
+    let fits = order
+        .iter()
+        .take_while(|&&m| {
+            let fits = hierarchy.cells(&mesh) + hierarchy.cells_added(m) <= most;
+            if fits {
+                hierarchy.refine(&mut mesh, m);
+            }
+            fits
+        })
+        .count();
+    let error = order[fits..].iter().map(|&m| hierarchy.error(m)).fold(hierarchy.floor_error(), f32::max);
+    let cells = hierarchy.cells(&mesh);
+    Extracted {
+        mesh: mesh.to_mesh(),
+        error,
+        criterion_error: error,
+        outcome: Outcome { refined: fits as u32, cells, settled: fits == order.len(), ..Outcome::default() },
+    }
+}
+
 /// Every update applied: the source, but for quantization and cleaning.
 pub fn finest(hierarchy: &EdgeCollapse) -> TriangleMesh {
     let mut front = Front::new(hierarchy);

@@ -31,7 +31,7 @@ pub mod survey;
 
 #[cfg(feature = "compare")]
 pub use compare::{CompareOptions, Comparison, compare};
-pub use extract::{Everything, Extracted, extract, finest, promised_error};
+pub use extract::{Everything, Extracted, extract, extract_cells, finest, promised_error};
 pub use survey::{Survey, survey};
 
 pub use meshfront_hierarchies::EdgeCollapse;

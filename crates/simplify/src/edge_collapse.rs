@@ -14,7 +14,7 @@ mod measure;
 
 use crate::{BuildError, Progress};
 use meshfront_hierarchies::EdgeCollapse;
-use meshfront_hierarchies::edge_collapse::Grid;
+use meshfront_hierarchies::edge_collapse::{Columns, Grid};
 use meshfront_mesh::{Bounds, TriangleMesh};
 
 /// How to build.
@@ -34,24 +34,36 @@ impl Default for EdgeCollapseOptions {
 
 /// Builds the hierarchy of a mesh: any polygon soup of triangles without degenerate ones.
 ///
-/// Uses rayon's current pool; the result does not depend on the number of threads. Takes some 8 µs and 1.5 kB per
-/// source vertex at the peak.
-///
 /// # Errors
-/// An unusable mesh or option; or [`BuildError::Cancelled`].
+/// As [`edge_collapse_columns`], which is enough where the hierarchy is only written to a file.
 pub fn edge_collapse(
     mesh: &TriangleMesh,
     options: &EdgeCollapseOptions,
     progress: &dyn Progress,
 ) -> Result<EdgeCollapse, BuildError> {
+    let columns = edge_collapse_columns(mesh, options, progress)?;
+    progress.phase("derive", "updates", columns.vertex.len() as u64);
+    Ok(EdgeCollapse::new(columns)?)
+}
+
+/// Builds what is stored of the hierarchy of a mesh, with its measured errors.
+///
+/// Uses rayon's current pool; the result does not depend on the number of threads. Takes some 8 µs and 1.5 kB per
+/// source vertex at the peak.
+///
+/// # Errors
+/// An unusable mesh or option; or [`BuildError::Cancelled`].
+pub fn edge_collapse_columns(
+    mesh: &TriangleMesh,
+    options: &EdgeCollapseOptions,
+    progress: &dyn Progress,
+) -> Result<Columns, BuildError> {
     check(mesh, options)?;
     let bounds = Bounds::of(&mesh.positions).ok_or(BuildError::Empty)?;
     let grid = options.bits.map(|bits| Grid::fit(bounds, bits));
     let record = collapse::collapse(mesh, grid, options.base_triangles, progress)?;
     let errors = measure::measure(mesh, &record, progress)?;
-    let columns = arrange::arrange(mesh, grid, record, errors);
-    progress.phase("derive", "updates", columns.vertex.len() as u64);
-    Ok(EdgeCollapse::new(columns)?)
+    Ok(arrange::arrange(mesh, grid, record, errors))
 }
 
 /// Squares of squares of lengths must fit into an `f32`.
@@ -64,7 +76,7 @@ fn check(mesh: &TriangleMesh, options: &EdgeCollapseOptions) -> Result<(), Build
     if mesh.triangles.is_empty() {
         return Err(BuildError::Empty);
     }
-    if mesh.triangles.len() > 1 << 27 || mesh.positions.len() > 1 << 27 {
+    if mesh.triangles.len() > 1 << 27 || mesh.positions.len() > 1 << 26 {
         return Err(BuildError::TooLarge(mesh.triangles.len()));
     }
     if let Some(v) = mesh.positions.iter().position(|p| !(p.abs().max_element() < MOST_COORDINATE)) {

@@ -3,7 +3,7 @@
 pub mod edge_collapse;
 pub mod metrics;
 
-pub use edge_collapse::{EdgeCollapseOptions, edge_collapse};
+pub use edge_collapse::{EdgeCollapseOptions, edge_collapse, edge_collapse_columns};
 
 /// Who wants to know how far a build is, and may stop it.
 pub trait Progress: Sync {
@@ -39,7 +39,7 @@ pub enum BuildError {
     #[error("{0} bits per coordinate: choose 10 to 24, or lossless")]
     Bits(u32),
     /// More vertices or triangles than 32-bit ids leave room for.
-    #[error("{0} triangles: at most 2^27 fit into one hierarchy; split the mesh")]
+    #[error("{0} triangles: at most 2^27, with 2^26 vertices, fit into one hierarchy; split the mesh")]
     TooLarge(usize),
     /// The caller asked to stop.
     #[error("cancelled")]

@@ -2,7 +2,7 @@
 
 use super::columns::{Columns, InvalidColumns, Oct};
 use super::footprint::{Frame, PackedFootprint, angle_between, half_angle};
-use super::front_mesh::{AddedList, FrontMesh, MAX_ADDED, Star, added_by_sides};
+use super::front_mesh::{Added, AddedList, FrontMesh, MAX_ADDED, Star, added_by_sides};
 use super::{Arcs, Brief, EdgeCollapse, Positions, Split};
 use glam::Vec3;
 use meshfront_mesh::Bounds;
@@ -19,6 +19,17 @@ struct Cells {
     max: Vec3,
     axis: Vec3,
     half_angle: f32,
+}
+
+/// The update's own share of [`EdgeCollapse::cost`]: squared distance of s from the planes of M⁺, times their areas.
+fn step_cost(s: Vec3, fine: impl Iterator<Item = [Vec3; 3]>) -> f32 {
+    fine.map(|[a, b, c]| {
+        let normal = (b - a).cross(c - a);
+        let along = normal.dot(s - a);
+        let length = normal.length();
+        if length > 0.0 { along * along / length } else { 0.0 }
+    })
+    .sum()
 }
 
 pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
@@ -53,7 +64,15 @@ pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
         push_reduced(&mut needs, &ring);
 
         h.brief[m] = Brief { level: front.buffers.levels[slot as usize], added: added.len as u8 };
-        cells.push(cells_of(&h, id, &front.buffers.positions, slot, &star, &added));
+        let points = &front.buffers.positions;
+        let fine = |i: usize| {
+            let child = h.positions.get(m, (split.sides >> i & 1) as usize);
+            [child, points[star.after[i] as usize], points[star.before[i] as usize]]
+        };
+        let gone = |a: &Added| [h.positions.get(m, 0), points[a.w as usize], h.positions.get(m, 1)];
+        let fine = (0..star.len).map(fine).chain(added.as_slice().iter().map(gone));
+        h.costs[m] = step_cost(points[slot as usize], fine);
+        cells.push(cells_of(&h, id, points, slot, &star, &added));
         front.buffers.clear_changes();
         front.refine(&h, id);
     }
@@ -64,6 +83,9 @@ pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
         derive_normals(&mut h, &front);
     }
     derive_footprints(&mut h, &cells);
+    for m in (0..updates).rev() {
+        h.costs[m] = h.children.of(m).iter().map(|c| h.costs[c.ix()]).fold(h.costs[m], f32::max);
+    }
     Ok(h)
 }
 
@@ -100,10 +122,10 @@ fn check_shape(c: &Columns) -> Result<(), InvalidColumns> {
     if !(c.floor_error.is_finite() && c.floor_error >= 0.0) {
         return Err(InvalidColumns::Base("the floor error is not a finite number"));
     }
-    if let Some(g) = &c.grid {
-        if !(g.origin.is_finite() && g.step.is_finite() && g.step > 0.0 && (1..=24).contains(&g.bits)) {
-            return Err(InvalidColumns::Base("the grid of positions is not one"));
-        }
+    if c.grid
+        .is_some_and(|g| !(g.origin.is_finite() && g.step.is_finite() && g.step > 0.0 && (1..=24).contains(&g.bits)))
+    {
+        return Err(InvalidColumns::Base("the grid of positions is not one"));
     }
     let invalid = |update: usize, reason| Err(InvalidColumns::Update { update: update as u32, reason });
     for m in 0..updates {
@@ -174,6 +196,7 @@ fn undecorated(c: Columns) -> Result<EdgeCollapse, InvalidColumns> {
         source_normals,
         colors: c.colors,
         brief: vec![Brief { level: 0, added: 0 }; updates],
+        costs: vec![0.0; updates],
         footprints: c.errors.iter().map(|&error| PackedFootprint::of_error(error)).collect(),
         frame,
         needs: Arcs::default(),

@@ -79,12 +79,11 @@ pub(super) fn arrange(source: &TriangleMesh, grid: Option<Grid>, record: Record,
         let collapse = record.collapses[i];
         let mut star: Vec<StarTriangle> = record.star[record.star_of(i)]
             .iter()
-            .enumerate()
-            .map(|(k, t)| StarTriangle {
+            .map(|t| StarTriangle {
                 number: triangle_number[t.triangle as usize],
                 after: t.after,
                 before: t.before,
-                on_v: k as u32 >= collapse.from_u,
+                on_v: t.on_v,
             })
             .collect();
         let removed = record.removed_of(i);

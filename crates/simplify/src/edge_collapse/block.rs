@@ -13,7 +13,8 @@ const LENGTH_COST: f64 = 1e-9;
 /// What a triangle that stays must keep.
 #[derive(Clone, Copy)]
 struct Guard {
-    /// Its normal may turn by at most the angle of this cosine.
+    /// Its normal may turn by at most the angle of this cosine; that of a sliver, whose own normal says little, may be
+    /// off the mean normal around by as much.
     cos: f32,
     /// Its |cross product| over the sum of its squared edges (0.289 when equilateral) may fall to this.
     shape: f32,
@@ -21,7 +22,9 @@ struct Guard {
 
 /// Strict first; when nothing is left that keeps the guard, the next one lets through what blocks the rest.
 const GUARDS: [Guard; 3] =
-    [Guard { cos: 0.2, shape: 0.02 }, Guard { cos: 0.0, shape: 0.005 }, Guard { cos: -0.5, shape: 0.0 }];
+    [Guard { cos: 0.2, shape: 0.005 }, Guard { cos: 0.0, shape: 0.001 }, Guard { cos: -0.5, shape: 0.0 }];
+/// Below this, a triangle's shape makes it a sliver.
+const SLIVER: f32 = 0.06;
 
 pub(super) const DEAD: u32 = u32::MAX;
 /// Bit of a queued edge's first version: its best point was refused, it waits with the cost of the next best.
@@ -57,8 +60,8 @@ pub(super) struct Block {
 #[derive(Default)]
 pub(super) struct Log {
     pub collapses: Vec<LocalCollapse>,
-    /// (triangle, version after, version before) of the stars, end to end.
-    pub star: Vec<[u32; 3]>,
+    /// The stars, end to end, each in the order of a fan as far as it is one.
+    pub star: Vec<StarTriangle>,
     /// (triangle, version w, reads (v, w, u)) of the triangles that vanished, end to end.
     pub removed: Vec<(u32, u32, bool)>,
 }
@@ -70,8 +73,16 @@ pub(super) struct LocalCollapse {
     pub vertex: u32,
     pub point: Vec3,
     pub star_end: u32,
-    pub from_u: u32,
     pub removed_end: u32,
+}
+
+/// A triangle (s, after, before) around the new version s; its corner s was v where `on_v`, u else.
+#[derive(Clone, Copy)]
+pub(super) struct StarTriangle {
+    pub triangle: u32,
+    pub after: u32,
+    pub before: u32,
+    pub on_v: bool,
 }
 
 /// Where to stop.
@@ -208,9 +219,10 @@ impl Block {
         }
     }
 
-    /// A source vertex's quadric, and whether it is a bow tie.
-    pub fn first_quadric(&self, points: &[Vec3], v: u32) -> (Quadric, bool) {
+    /// A source vertex's quadric, whether it is a bow tie, and whether it lies on an edge with other than two triangles.
+    pub fn first_quadric(&self, points: &[Vec3], v: u32) -> (Quadric, bool, bool) {
         let mut q = Quadric::default();
+        let mut rim = false;
         let mut edges: Vec<[u32; 2]> = vec![];
         let at = |v: u32| points[v as usize].as_dvec3();
         let p = at(v);
@@ -228,6 +240,7 @@ impl Block {
             let (a, b) = self.others(t, v);
             for x in [a, b] {
                 let uses = edges.iter().filter(|e| e.contains(&x)).count();
+                rim |= uses != 2;
                 let edge = at(x) - p;
                 let normal = (at(a) - p).cross(at(b) - p);
                 let plane = edge.cross(normal);
@@ -237,7 +250,7 @@ impl Block {
                 }
             }
         }
-        (q, fans(&mut edges) > 1)
+        (q, fans(&mut edges) > 1, rim)
     }
 
     /// All edges between vertices that are not locked, with their costs, in a fixed order.
@@ -319,6 +332,19 @@ fn fans(edges: &mut Vec<[u32; 2]>) -> usize {
         }
     }
     fans
+}
+
+/// Puts each triangle next to the one that begins where it ends.
+fn sort_fan(star: &mut [StarTriangle]) {
+    let opens = |t: &StarTriangle| !star.iter().any(|o| o.before == t.after);
+    let first = star.iter().position(opens).unwrap_or(0);
+    star.swap(0, first);
+    for i in 1..star.len() {
+        let end = star[i - 1].before;
+        if let Some(next) = star[i..].iter().position(|t| t.after == end) {
+            star.swap(i, i + next);
+        }
+    }
 }
 
 /// Scratch of one attempt.
@@ -421,35 +447,46 @@ impl Step {
         true
     }
 
-    /// Whether no triangle that stays flips or becomes a sliver.
+    /// Whether no triangle that stays flips or becomes a worse sliver.
     fn keeps_shape(&self, mesh: &Block, u: u32, v: u32, point: Vec3, guard: Guard) -> bool {
         let at = |x: u32| mesh.points[x as usize];
-        let ok = |old: Vec3, &(_, a, b): &(u32, u32, u32)| {
+        let cross = |p: Vec3, t: &(u32, u32, u32)| (at(t.1) - p).cross(at(t.2) - p);
+        let shape = |p: Vec3, area: f32, &(_, a, b): &(u32, u32, u32)| {
             let (a, b) = (at(a), at(b));
-            let before = (a - old).cross(b - old);
-            let after = (a - point).cross(b - point);
+            area / ((a - p).length_squared() + (b - p).length_squared() + (a - b).length_squared())
+        };
+        let (at_u, at_v) = (at(u), at(v));
+        let stay = || self.stay_u.iter().map(|t| (at_u, t)).chain(self.stay_v.iter().map(|t| (at_v, t)));
+        let mean = stay().map(|(old, t)| cross(old, t)).sum::<Vec3>().normalize_or_zero();
+        stay().all(|(old, t)| {
+            let (before, after) = (cross(old, t), cross(point, t));
             let (area_before, area_after) = (before.length(), after.length());
             if area_before == 0.0 {
                 return true;
             }
-            if before.dot(after) < guard.cos * area_before * area_after || area_after == 0.0 {
+            let shape_before = shape(old, area_before, t);
+            let shape_after = shape(point, area_after, t);
+            if shape_after < guard.shape && shape_after < shape_before {
                 return false;
             }
-            let edges = |p: Vec3| (a - p).length_squared() + (b - p).length_squared() + (a - b).length_squared();
-            let shape_after = area_after / edges(point);
-            shape_after >= guard.shape || shape_after >= area_before / edges(old)
-        };
-        self.stay_u.iter().all(|t| ok(at(u), t)) && self.stay_v.iter().all(|t| ok(at(v), t))
+            let upright = if shape_before < SLIVER { mean } else { before / area_before };
+            after.dot(upright) >= guard.cos * area_after
+        })
     }
 
     /// Merges v into u's vertex and logs it; returns how many triangles vanished.
     fn apply(&mut self, mesh: &mut Block, u: u32, v: u32, point: Vec3) -> usize {
         let versions = [mesh.version[u as usize], mesh.version[v as usize]];
         let start = mesh.around.len() as u32;
-        for &(t, after, before) in self.stay_u.iter().chain(&self.stay_v) {
-            mesh.around.push(t);
-            mesh.log.star.push([t, mesh.version[after as usize], mesh.version[before as usize]]);
+        let first = mesh.log.star.len();
+        for (list, on_v) in [(&self.stay_u, false), (&self.stay_v, true)] {
+            for &(triangle, after, before) in list {
+                mesh.around.push(triangle);
+                let [after, before] = [after, before].map(|x| mesh.version[x as usize]);
+                mesh.log.star.push(StarTriangle { triangle, after, before, on_v });
+            }
         }
+        sort_fan(&mut mesh.log.star[first..]);
         for &(t, _, _) in &self.stay_v {
             for corner in &mut mesh.triangles[t as usize] {
                 if *corner == v {
@@ -466,7 +503,6 @@ impl Step {
             vertex: u,
             point,
             star_end: mesh.log.star.len() as u32,
-            from_u: self.stay_u.len() as u32,
             removed_end: mesh.log.removed.len() as u32,
         });
         mesh.spans[u as usize] = Span { start, len: mesh.around.len() as u32 - start };

@@ -1,6 +1,6 @@
 //! The decimation of a whole mesh: rounds of blocks, and the record of all collapses.
 
-use super::block::{Block, DEAD, Limits};
+use super::block::{Block, DEAD, Limits, StarTriangle};
 use crate::metrics::quadric::Quadric;
 use crate::{BuildError, Progress};
 use glam::Vec3;
@@ -23,10 +23,12 @@ pub(super) struct Record {
     /// Per version; empty where the source has none.
     pub colors: Vec<[u8; 4]>,
     pub collapses: Vec<Collapse>,
-    /// Stars of the new versions end to end, first the triangles that u had, then those of v.
+    /// Stars of the new versions, end to end, each in the order of a fan as far as it is one.
     pub star: Vec<StarTriangle>,
     /// Triangles that vanish, end to end.
     pub removed: Vec<Removed>,
+    /// Per source vertex: whether it lies on an edge with other than two triangles.
+    pub rim: Vec<bool>,
     /// The triangles that are left, with the versions of their corners.
     pub base: Vec<(u32, [u32; 3])>,
 }
@@ -38,18 +40,8 @@ pub(super) struct Collapse {
     pub v: u32,
     /// End of its star in `Record::star`; it starts where the one before ends.
     pub star_end: u32,
-    /// How many triangles of the star come from u.
-    pub from_u: u32,
     /// End in `Record::removed`.
     pub removed_end: u32,
-}
-
-/// A triangle (s, after, before) around the new version s.
-#[derive(Clone, Copy)]
-pub(super) struct StarTriangle {
-    pub triangle: u32,
-    pub after: u32,
-    pub before: u32,
 }
 
 /// A triangle (u, w, v) that vanishes; (v, w, u) where `flipped`.
@@ -84,6 +76,7 @@ struct Whole {
     quadrics: Vec<Quadric>,
     triangles: Vec<[u32; 3]>,
     bow_tie: Vec<bool>,
+    rim: Vec<bool>,
     /// Version that lives in each vertex; `DEAD` where it has been merged away.
     version: Vec<u32>,
     live_vertices: Vec<u32>,
@@ -145,6 +138,7 @@ pub(super) fn collapse(
         stuck = whole.live_triangles.len() > before - before / 20;
     }
     let corners = |t: u32| whole.triangles[t as usize].map(|v| whole.version[v as usize]);
+    record.rim = std::mem::take(&mut whole.rim);
     record.base = whole.live_triangles.iter().map(|&t| (t, corners(t))).collect();
     Ok(record)
 }
@@ -156,7 +150,7 @@ impl Whole {
         let triangles: Vec<[u32; 3]> = source.triangles.iter().map(|t| t.map(|v| v.0)).collect();
         let all = Block::new(points.clone(), triangles.clone());
         let first = (0..n).into_par_iter().map(|v| all.first_quadric(&source.positions, v));
-        let (quadrics, bow_tie): (Vec<_>, Vec<_>) = first.unzip();
+        let (quadrics, (bow_tie, rim)): (Vec<_>, (Vec<_>, Vec<_>)) = first.map(|(q, tie, rim)| (q, (tie, rim))).unzip();
         let mut used = vec![false; n as usize];
         triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
         Whole {
@@ -166,6 +160,7 @@ impl Whole {
             live_vertices: (0..n).filter(|&v| used[v as usize]).collect(),
             triangles,
             bow_tie,
+            rim,
             version: (0..n).collect(),
         }
     }
@@ -224,10 +219,11 @@ impl Whole {
         let version = |local: u32| if local < n { before[local as usize] } else { first + local - n };
         let triangle = |local: u32| part.triangles[local as usize];
         let (star_start, removed_start) = (record.star.len() as u32, record.removed.len() as u32);
-        record.star.extend(log.star.iter().map(|&[t, after, before]| StarTriangle {
-            triangle: triangle(t),
-            after: version(after),
-            before: version(before),
+        record.star.extend(log.star.iter().map(|s| StarTriangle {
+            triangle: triangle(s.triangle),
+            after: version(s.after),
+            before: version(s.before),
+            on_v: s.on_v,
         }));
         record.removed.extend(log.removed.iter().map(|&(t, w, flipped)| Removed {
             triangle: triangle(t),
@@ -241,7 +237,6 @@ impl Whole {
                 u,
                 v,
                 star_end: star_start + c.star_end,
-                from_u: c.from_u,
                 removed_end: removed_start + c.removed_end,
             });
         }
@@ -318,6 +313,7 @@ impl Record {
             collapses: Vec::with_capacity(n),
             star: Vec::with_capacity(7 * n),
             removed: Vec::with_capacity(source.triangles.len()),
+            rim: vec![],
             base: vec![],
         }
     }
