@@ -5,11 +5,15 @@ use glam::{DVec3, Vec3};
 use meshfront_hierarchies::edge_collapse::{Columns, Grid};
 
 /// Weight of the planes that hold boundaries and non-manifold edges in place, against the weight of the surface.
-const RIM_WEIGHT: f64 = 10.0;
+const RIM_WEIGHT: f64 = 3.0;
 /// How strongly a position is held where the quadric leaves it free: see [`Quadric::minimum`].
 const PULL: f64 = 1e-6;
 /// Cost of length where the quadric sees none, relative to the weight: flat regions collapse short edges first.
 const LENGTH_COST: f64 = 1e-9;
+/// How much of a merged vertex's quadric is that of the triangles around it as they are, not the sum over the source
+/// (`lindstrom1998`: a metric without memory). The mean distance falls with it and the largest rises: from 0 to 0.6, the mean
+/// by 10 % (dragon) to 14 % (bunny). Rims remember all.
+const FORGET: f64 = 0.5;
 /// What a triangle that stays must keep.
 #[derive(Clone, Copy)]
 struct Guard {
@@ -360,6 +364,8 @@ struct Step {
     near_v: Vec<(u32, u32)>,
     /// Neighbours of the merged vertex.
     ring: Vec<u32>,
+    /// Whether the merged vertex lies on a rim.
+    on_rim: bool,
 }
 
 fn count_neighbours(near: &mut Vec<(u32, u32)>, triangle: (u32, u32)) {
@@ -379,7 +385,7 @@ impl Step {
     /// Collects both stars; `false` where merging would change the topology (link condition for complexes,
     /// `dey1999`, where an edge with other than two triangles counts as a rim) or exceed what a split may hold.
     fn gather(&mut self, mesh: &Block, u: u32, v: u32) -> bool {
-        let Step { stay_u, stay_v, shared, near_u, near_v, ring } = self;
+        let Step { stay_u, stay_v, shared, near_u, near_v, ring, on_rim } = self;
         for list in [&mut *stay_u, &mut *stay_v] {
             list.clear();
         }
@@ -442,6 +448,7 @@ impl Step {
                 return false; // two rims would touch, or two of their ends
             }
         }
+        *on_rim = rims_u + rims_v > 0;
         ring.extend(near_u.iter().map(|e| e.0).filter(|&x| x != v));
         ring.extend(near_v.iter().map(|e| e.0).filter(|&x| x != u && !is_third(x)));
         true
@@ -472,6 +479,22 @@ impl Step {
             let upright = if shape_before < SLIVER { mean } else { before / area_before };
             after.dot(upright) >= guard.cos * area_after
         })
+    }
+
+    /// The quadric of the triangles that stay, as they are now.
+    fn fresh_quadric(&self, mesh: &Block, point: Vec3) -> Quadric {
+        let p = point.as_dvec3();
+        let mut q = Quadric::default();
+        for &(_, a, b) in self.stay_u.iter().chain(&self.stay_v) {
+            let [a, b] = [a, b].map(|x| mesh.points[x as usize].as_dvec3());
+            let cross = (a - p).cross(b - p);
+            let area = 0.5 * cross.length();
+            if area > 0.0 {
+                let n = cross / (2.0 * area);
+                q += Quadric::plane(n, -n.dot(p), area / 3.0);
+            }
+        }
+        q
     }
 
     /// Merges v into u's vertex and logs it; returns how many triangles vanished.
@@ -509,8 +532,12 @@ impl Step {
         mesh.points[u as usize] = point;
         mesh.version[u as usize] = (mesh.version.len() + mesh.log.collapses.len() - 1) as u32;
         mesh.version[v as usize] = DEAD;
-        let q = mesh.quadrics[v as usize];
-        mesh.quadrics[u as usize] += q;
+        let remembered = mesh.quadrics[u as usize] + mesh.quadrics[v as usize];
+        mesh.quadrics[u as usize] = if self.on_rim {
+            remembered
+        } else {
+            remembered * (1.0 - FORGET) + self.fresh_quadric(mesh, point) * FORGET
+        };
         let tie = mesh.bow_tie[v as usize];
         mesh.bow_tie[u as usize] |= tie;
         self.shared.len()

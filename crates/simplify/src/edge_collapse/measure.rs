@@ -35,9 +35,13 @@ const ON_EDGE: [f32; 1] = [0.5];
 const PER_TRIANGLE: f32 = INSIDE.len() as f32 + 1.5 * ON_EDGE.len() as f32 + 0.5;
 /// How many points a cell keeps, on average. With more, those that are no farther away than the collapse itself moved
 /// the surface are thinned out: neighbours see what they would see.
-const PER_CELL: f32 = 24.0;
-/// What the distance of all other points may exceed that of the followed ones by. The suite checks it with dense samples.
-const MARGIN: f32 = 1.8;
+const PER_CELL: f32 = 10.0;
+/// What the distance of all other points may exceed that of the followed ones by, after so many collapses: most where
+/// cells are of the size of the source's triangles, so that few points are on each. Set from dense samples on scans,
+/// with which the suite checks it too.
+fn margin(collapses: u32) -> f32 {
+    (2.3 - 0.06 * collapses.saturating_sub(10) as f32).max(1.4)
+}
 
 /// Measures the error of each collapse, in parallel; the result does not depend on the number of threads.
 pub(super) fn measure(source: &TriangleMesh, record: &Record, progress: &dyn Progress) -> Result<Errors, BuildError> {
@@ -102,7 +106,7 @@ pub(super) fn measure(source: &TriangleMesh, record: &Record, progress: &dyn Pro
         return Err(BuildError::Cancelled);
     }
     let root = |a: AtomicU32| f32::from_bits(a.into_inner()).sqrt();
-    Ok(Errors { collapses: squared.into_iter().map(|a| root(a) * MARGIN).collect(), floor: root(floor) })
+    Ok(Errors { collapses: squared.into_iter().map(root).collect(), floor: root(floor) })
 }
 
 /// A number in (0, 1] that looks random: the same for the same point on every machine.
@@ -179,6 +183,7 @@ impl Walk<'_> {
     fn follow(&self, p: Vec3, triangle: u32, crowd: f32) {
         let crowd_squared = crowd * crowd;
         let mut way = self.ways.first[triangle as usize];
+        let mut collapses = 0;
         while way != NONE {
             let i = (way >> 6) as usize;
             let star = self.record.star_of(i);
@@ -199,7 +204,8 @@ impl Walk<'_> {
                     }
                 }
             }
-            raise(&self.squared[i], distance);
+            collapses += 1;
+            raise(&self.squared[i], distance * margin(collapses).powi(2));
             way = self.ways.next[at];
             if distance <= self.moved[i] {
                 let [a, b, c] = self.record.cell(i, at, p);

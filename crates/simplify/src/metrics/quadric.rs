@@ -2,7 +2,7 @@
 //! 4 × 4 form. Its square root is a priority, never an error that is shown: errors are measured.
 
 use glam::{DMat3, DVec3};
-use std::ops::{Add, AddAssign};
+use std::ops::{Add, AddAssign, Mul};
 
 /// xᵀAx + 2bᵀx + c, in units of weight times length squared.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -59,6 +59,14 @@ impl Add for Quadric {
     #[inline]
     fn add(self, o: Quadric) -> Quadric {
         Quadric { a: std::array::from_fn(|i| self.a[i] + o.a[i]), b: self.b + o.b, c: self.c + o.c }
+    }
+}
+
+impl Mul<f64> for Quadric {
+    type Output = Quadric;
+    #[inline]
+    fn mul(self, k: f64) -> Quadric {
+        Quadric { a: self.a.map(|x| x * k), b: self.b * k, c: self.c * k }
     }
 }
 
