@@ -71,10 +71,15 @@ impl AddedList {
 /// `None` where more than two follow: then the split has to list them.
 pub(super) fn added_by_sides(star: &Star, sides: u32) -> Option<AddedList> {
     let mut added = AddedList { len: 0, items: [Added { w: 0, flipped: false }; MAX_ADDED] };
+    let all = ((1u64 << star.len) - 1) as u32;
     for i in 0..star.len {
         let w = star.before[i];
-        for j in 0..star.len {
-            if star.after[j] == w && (sides >> i ^ sides >> j) & 1 == 1 {
+        // Only triangles that go to the other child.
+        let mut others = if sides >> i & 1 == 1 { !sides & all } else { sides & all };
+        while others != 0 {
+            let j = others.trailing_zeros() as usize;
+            others &= others - 1;
+            if star.after[j] == w {
                 if added.len == 2 {
                     return None;
                 }
@@ -436,8 +441,9 @@ impl FrontMesh {
 }
 
 fn snorm16(normal: Oct) -> [i16; 4] {
-    let n = (normal.decode() * 32767.0).round();
-    [n.x as i16, n.y as i16, n.z as i16, 0]
+    // Rounds to nearest without a call, as `round` is one on the oldest x86-64.
+    let [x, y, z] = (normal.decode() * 32767.0).to_array().map(|c| (c + 0.5f32.copysign(c)) as i16);
+    [x, y, z, 0]
 }
 
 /// Pushes; capacity grows by an eighth, not by doubling, so that memory stays close to size.
