@@ -163,10 +163,16 @@ pub fn full_is_the_source(full: &Surface, source: &Source, snap: f32) {
     );
 }
 
+/// No crack, no hole, no pinch; nothing turned over.
+fn is_sound(surface: &Surface, source: &Source) {
+    let (found, expected) = (Topology::of(&surface.cells), &source.topology);
+    assert!(found.is_that_of(expected), "an update changed the topology: {found:?} instead of {expected:?}");
+}
+
 /// What holds in every front: no crack, no hole, no pinch, nothing turned over; the source is as near as promised.
 /// Gives the measured distance.
 pub fn promises(surface: &Surface, source: &Source, error: f32) -> f32 {
-    assert_eq!(Topology::of(&surface.cells), source.topology);
+    is_sound(surface, source);
     let triangles = surface.triangles();
     // Coordinates are rounded to single precision.
     let error = error + 1e-6 * source.diagonal;
@@ -183,16 +189,22 @@ pub fn promises(surface: &Surface, source: &Source, error: f32) -> f32 {
         let [x, y, z, w] = look.normal.map(|c| c as f32 / 32767.0);
         assert!((vec3(x, y, z).length() - 1.0).abs() < 1e-3 && w == 0.0, "normals have unit length");
     }
-    let area = |t: &[Vec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]).length() as f64;
-    let original = (0..source.mesh.triangles.len() as u32).map(|t| source.mesh.corners(meshfront_mesh::TriangleId(t)));
-    let ratio = triangles.iter().map(area).sum::<f64>() / original.map(|t| area(&t)).sum::<f64>();
-    assert!((0.6..1.2).contains(&ratio), "the front has {ratio} times the area of the source");
+    // Parts that are smaller than the error may go flat.
+    if error < FINE * source.diagonal {
+        let area = |t: &[Vec3; 3]| (t[1] - t[0]).cross(t[2] - t[0]).length() as f64;
+        let original =
+            (0..source.mesh.triangles.len() as u32).map(|t| source.mesh.corners(meshfront_mesh::TriangleId(t)));
+        let ratio = triangles.iter().map(area).sum::<f64>() / original.map(|t| area(&t)).sum::<f64>();
+        assert!((0.6..1.2).contains(&ratio), "the front has {ratio} times the area of the source");
+    }
     measured
 }
 
 /// How many times the promised error a boundary edge may be off the source's boundary: the promise is about the
 /// distance of the source from the front; the way back may be longer where a boundary is jagged.
 const RIM: f32 = 3.0;
+/// Below this error, relative to the diagonal, the area is near that of the source.
+const FINE: f32 = 0.02;
 
 /// Random legal moves, with no criterion: nesting cannot hide a missing dependency here. Then back to the base.
 pub fn wander<H: Inspect>(h: &H, updates: &Updates, source: &Source, seed: u64) {
@@ -437,7 +449,7 @@ pub fn budgets<H: Inspect>(h: &H, source: &Source, seed: u64) {
         let surface = Surface::of::<H>(front.mesh());
         assert_eq!(outcome.cells, surface.cells.len());
         assert!(outcome.cells <= max_cells || deadline_us.is_some(), "{} of {max_cells} cells", outcome.cells);
-        assert_eq!(Topology::of(&surface.cells), source.topology);
+        is_sound(&surface, source);
         if frame % 5 == 4 {
             promises(&surface, source, error_in_force(h, |m| front.is_applied(m)));
         }

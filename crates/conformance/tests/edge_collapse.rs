@@ -1,10 +1,14 @@
 //! Edge-collapse hierarchies pass the suite.
 
+use glam::Vec3;
+use meshfront_conformance::random::Random;
+use meshfront_conformance::suite::{Updates, error_in_force, full_is_the_source, promises, wander};
 use meshfront_conformance::{Source, check};
 use meshfront_hierarchies::EdgeCollapse;
-use meshfront_mesh::TriangleMesh;
 use meshfront_mesh::sample::{self, defects};
+use meshfront_mesh::{TriangleMesh, VertexId};
 use meshfront_simplify::{EdgeCollapseOptions, edge_collapse};
+use std::collections::{HashMap, HashSet};
 
 fn build(mesh: &TriangleMesh, bits: Option<u32>, base_triangles: usize) -> EdgeCollapse {
     edge_collapse(mesh, &EdgeCollapseOptions { bits, base_triangles }, &()).expect("sample meshes are sound")
@@ -54,6 +58,62 @@ fn three_sheets_on_one_edge() {
 #[test]
 fn two_fans_on_one_vertex() {
     passes(defects::bow_tie(800), 60);
+}
+
+/// Random triangles between few corners, each cut into 4³: seams where many sheets meet, their ends and
+/// crossings, several fans around a corner, Möbius strips.
+fn random_complex(seed: u64) -> TriangleMesh {
+    let mut random = Random::new(seed);
+    let corners: Vec<Vec3> = (0..5 + random.below(5)).map(|_| random.cube()).collect();
+    let mut mesh = TriangleMesh { positions: corners, ..Default::default() };
+    let mut seen = HashSet::new();
+    for _ in 0..3 + random.below(12) {
+        let t = [0; 3].map(|_| VertexId(random.below(mesh.positions.len()) as u32));
+        let mut sorted = t;
+        sorted.sort();
+        if sorted[0] != sorted[1] && sorted[1] != sorted[2] && seen.insert(sorted) {
+            mesh.triangles.push(t);
+        }
+    }
+    for _ in 0..3 {
+        let TriangleMesh { positions, triangles, .. } = &mut mesh;
+        let mut middles = HashMap::new();
+        let mut cut = vec![];
+        for &[a, b, c] in triangles.iter() {
+            let [x, y, z] = [[a, b], [b, c], [c, a]].map(|[a, b]| {
+                *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                    positions.push((positions[a.ix()] + positions[b.ix()]) * 0.5 + random.cube() * 0.01);
+                    VertexId(positions.len() as u32 - 1)
+                })
+            });
+            cut.extend([[a, x, z], [x, b, y], [z, y, c], [x, y, z]]);
+        }
+        *triangles = cut;
+    }
+    let mut used = vec![u32::MAX; mesh.positions.len()];
+    let mut positions = vec![];
+    for v in mesh.triangles.iter_mut().flatten() {
+        if used[v.ix()] == u32::MAX {
+            used[v.ix()] = positions.len() as u32;
+            positions.push(mesh.positions[v.ix()]);
+        }
+        *v = VertexId(used[v.ix()]);
+    }
+    TriangleMesh { positions, ..mesh }
+}
+
+#[test]
+fn whatever_is_glued_together() {
+    for seed in 0..24 {
+        let mesh = random_complex(seed);
+        let h = build(&mesh, None, 1);
+        let source = Source::new(mesh);
+        let updates = Updates::watch(&h);
+        updates.footprints_nest(&h);
+        full_is_the_source(&updates.full, &source, 0.0);
+        promises(&updates.base, &source, error_in_force(&h, |_| false));
+        wander(&h, &updates, &source, seed);
+    }
 }
 
 #[test]
