@@ -35,7 +35,7 @@ pub struct Updates {
     pub cells: Vec<[Vec<Cell>; 2]>,
     /// Which update makes a cell; those of the base mesh are not in it.
     pub maker: HashMap<Cell, UpdateId>,
-    /// Box of the corners of M⁻ and M⁺ of each update.
+    /// The corners of M⁻ and M⁺ of each update.
     pub places: Vec<Vec<Vec3>>,
     /// The front with nothing applied.
     pub base: Surface,
