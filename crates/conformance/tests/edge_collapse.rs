@@ -104,7 +104,7 @@ fn random_complex(seed: u64) -> TriangleMesh {
 
 #[test]
 fn whatever_is_glued_together() {
-    for seed in 0..24 {
+    for seed in 0..100 {
         let mesh = random_complex(seed);
         let h = build(&mesh, None, 1);
         let source = Source::new(mesh);

@@ -69,6 +69,7 @@ pub fn write(path: impl AsRef<Path>, hierarchy: &EdgeCollapse, options: &WriteOp
 ///
 /// # Errors
 /// As [`write`].
+#[cfg(feature = "write")]
 pub fn write_columns(path: impl AsRef<Path>, columns: &Columns, options: &WriteOptions) -> Result<Written, WriteError> {
     use std::io::Write;
     let path = path.as_ref();

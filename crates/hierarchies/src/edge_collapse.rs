@@ -44,10 +44,8 @@ pub struct EdgeCollapse {
     /// First triangle number of an explicit split's third added triangle, parallel to `explicit`.
     explicit_extra: Vec<u32>,
     positions: Positions,
-    normals: Vec<[Oct; 2]>,
     source_normals: bool,
     colors: Vec<[[u8; 4]; 2]>,
-    brief: Vec<Brief>,
     costs: Vec<f32>,
     footprints: Vec<PackedFootprint>,
     frame: Frame,
@@ -58,16 +56,15 @@ pub struct EdgeCollapse {
     source: SourceCounts,
 }
 
-/// Connectivity of one update: see [`Columns::vertex`] and [`Columns::sides`].
+/// What applying an update reads besides positions, together: one place in memory, not four.
 #[derive(Clone, Copy, Debug)]
 struct Split {
+    /// See [`Columns::vertex`].
     vertex: VertexId,
+    /// See [`Columns::sides`].
     sides: u32,
-}
-
-/// Two small numbers of one update.
-#[derive(Clone, Copy, Debug)]
-struct Brief {
+    /// Of u and v: the source's, or derived.
+    normals: [Oct; 2],
     /// How many splits lie above the vertex, up to 255.
     level: u8,
     /// How many triangles the update adds.
@@ -134,7 +131,7 @@ impl EdgeCollapse {
             sides: self.splits.iter().map(|s| s.sides).collect(),
             explicit: self.explicit.clone(),
             positions: updates.map(|m| [self.positions.get(m, 0), self.positions.get(m, 1)]).collect(),
-            normals: if self.source_normals { self.normals.clone() } else { vec![] },
+            normals: if self.source_normals { self.splits.iter().map(|s| s.normals).collect() } else { vec![] },
             colors: self.colors.clone(),
             errors: self.footprints.iter().map(|f| f.error).collect(),
             floor_error: self.floor_error,
@@ -199,9 +196,7 @@ impl EdgeCollapse {
             + self.needs.bytes()
             + self.children.bytes()
             + size_of_val(&self.splits[..])
-            + size_of_val(&self.normals[..])
             + size_of_val(&self.colors[..])
-            + size_of_val(&self.brief[..])
             + size_of_val(&self.costs[..])
             + size_of_val(&self.footprints[..])
             + size_of_val(&self.roots[..])
@@ -248,7 +243,7 @@ impl EdgeCollapse {
                 let which = ((v.0 - self.base_vertices()) & 1) as usize;
                 VertexLook {
                     position: self.positions.get(m.ix(), which),
-                    normal: self.normals[m.ix()][which],
+                    normal: self.splits[m.ix()].normals[which],
                     color: self.colors.get(m.ix()).map(|c| c[which]),
                 }
             }
@@ -305,7 +300,7 @@ impl MultiTessellation for EdgeCollapse {
     }
     #[inline]
     fn cells_added(&self, m: UpdateId) -> usize {
-        self.brief[m.ix()].added as usize
+        self.splits[m.ix()].added as usize
     }
     fn floor_error(&self) -> f32 {
         self.floor_error

@@ -38,7 +38,7 @@ impl Walk {
             height_px: 800.0,
             near: 0.01,
         };
-        Walk { r: Rng(seed * 2654435761 | 1), span, camera }
+        Walk { r: Rng((seed * 2654435761) | 1), span, camera }
     }
     fn step(&mut self) {
         let camera = &mut self.camera;

@@ -79,7 +79,8 @@ fn check(mesh: &TriangleMesh, options: &EdgeCollapseOptions) -> Result<(), Build
     if mesh.triangles.len() > 1 << 27 || mesh.positions.len() > 1 << 26 {
         return Err(BuildError::TooLarge(mesh.triangles.len()));
     }
-    if let Some(v) = mesh.positions.iter().position(|p| !(p.abs().max_element() < MOST_COORDINATE)) {
+    let usable = |c: &f32| c.abs() < MOST_COORDINATE;
+    if let Some(v) = mesh.positions.iter().position(|p| !p.as_ref().iter().all(usable)) {
         return Err(BuildError::NotFinite(v as u32));
     }
     let n = mesh.positions.len();

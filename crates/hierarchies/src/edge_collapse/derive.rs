@@ -3,7 +3,7 @@
 use super::columns::{Columns, InvalidColumns, Oct};
 use super::footprint::{Frame, PackedFootprint, angle_between, half_angle};
 use super::front_mesh::{Added, AddedList, FrontMesh, MAX_ADDED, Star, added_by_sides};
-use super::{Arcs, Brief, EdgeCollapse, Positions, Split};
+use super::{Arcs, EdgeCollapse, Positions, Split};
 use glam::Vec3;
 use meshfront_mesh::Bounds;
 use meshfront_refine::UpdateId;
@@ -63,7 +63,8 @@ pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
         }
         push_reduced(&mut needs, &ring);
 
-        h.brief[m] = Brief { level: front.buffers.levels[slot as usize], added: added.len as u8 };
+        h.splits[m].level = front.buffers.levels[slot as usize];
+        h.splits[m].added = added.len as u8;
         let points = &front.buffers.positions;
         let fine = |i: usize| {
             let child = h.positions.get(m, (split.sides >> i & 1) as usize);
@@ -182,7 +183,12 @@ fn undecorated(c: Columns) -> Result<EdgeCollapse, InvalidColumns> {
             vec![Oct::default(); c.base.positions.len()]
         },
         base: c.base,
-        splits: c.vertex.iter().zip(&c.sides).map(|(&vertex, &sides)| Split { vertex, sides }).collect(),
+        splits: (0..updates)
+            .map(|m| {
+                let normals = c.normals.get(m).copied().unwrap_or_default();
+                Split { vertex: c.vertex[m], sides: c.sides[m], normals, level: 0, added: 0 }
+            })
+            .collect(),
         explicit: c.explicit,
         explicit_extra,
         positions: match c.grid {
@@ -192,10 +198,8 @@ fn undecorated(c: Columns) -> Result<EdgeCollapse, InvalidColumns> {
             }
             grid => Positions::Points { grid, points: c.positions },
         },
-        normals: if source_normals { c.normals } else { vec![[Oct::default(); 2]; updates] },
         source_normals,
         colors: c.colors,
-        brief: vec![Brief { level: 0, added: 0 }; updates],
         costs: vec![0.0; updates],
         footprints: c.errors.iter().map(|&error| PackedFootprint::of_error(error)).collect(),
         frame,
@@ -383,7 +387,7 @@ fn derive_normals(h: &mut EdgeCollapse, full: &FrontMesh) {
     for m in (0..h.splits.len()).rev() {
         let [u, v] = [0, 1].map(|k| h.child(UpdateId(m as u32), k));
         sums[h.splits[m].vertex.ix()] = sums[u.ix()] + sums[v.ix()];
-        h.normals[m] = [Oct::encode(sums[u.ix()]), Oct::encode(sums[v.ix()])];
+        h.splits[m].normals = [Oct::encode(sums[u.ix()]), Oct::encode(sums[v.ix()])];
     }
     h.base_normals = sums[..h.base.positions.len()].iter().map(|&n| Oct::encode(n)).collect();
 }

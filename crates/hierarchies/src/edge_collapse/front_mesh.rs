@@ -220,7 +220,7 @@ impl FrontMesh {
         let added = self.added(h, m, &star);
 
         let (u, v) = (h.child(m, 0), h.child(m, 1));
-        let level = h.brief[m.ix()].level.saturating_add(1);
+        let level = split.level.saturating_add(1);
         self.rename(slot_u, split.vertex, u);
         self.dress(slot_u, &h.vertex_look(u), level);
         let slot_v = self.new_vertex(v, &h.vertex_look(v), level);
@@ -294,7 +294,7 @@ impl FrontMesh {
 
         self.free_vertex(slot_v, h.child(m, 1));
         self.rename(slot_u, h.child(m, 0), split.vertex);
-        self.dress(slot_u, &h.vertex_look(split.vertex), h.brief[m.ix()].level);
+        self.dress(slot_u, &h.vertex_look(split.vertex), split.level);
     }
 
     fn number_of(&self, corner: Corner) -> u32 {

@@ -443,8 +443,12 @@ impl Step {
         let (rims_u, rims_v) = (rims(near_u), rims(near_v));
         let (tie_u, tie_v) = (mesh.bow_tie[u as usize], mesh.bow_tie[v as usize]);
         if (rims_u > 0 || tie_u) && (rims_v > 0 || tie_v) {
-            let end = |rims: usize, tie: bool| tie || (rims != 0 && rims != 2);
-            if shared.len() == 2 || (end(rims_u, tie_u) && end(rims_v, tie_v)) {
+            // A curve goes on through a vertex where its two edges have equally many triangles; else it ends there.
+            let end = |near: &[(u32, u32)], tie: bool| {
+                let mut rims = near.iter().map(|&(_, n)| n).filter(|&n| n != 2);
+                tie || rims.next().is_some_and(|first| rims.next() != Some(first) || rims.next().is_some())
+            };
+            if shared.len() == 2 || (end(near_u, tie_u) && end(near_v, tie_v)) {
                 return false; // two rims would touch, or two of their ends
             }
         }

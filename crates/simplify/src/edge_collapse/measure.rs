@@ -40,7 +40,7 @@ const PER_CELL: f32 = 10.0;
 /// cells are of the size of the source's triangles, so that few points are on each. Set from dense samples on scans,
 /// with which the suite checks it too.
 fn margin(collapses: u32) -> f32 {
-    (2.3 - 0.06 * collapses.saturating_sub(10) as f32).max(1.4)
+    (2.3 - 0.06 * collapses.saturating_sub(10) as f32).max(1.7)
 }
 
 /// Measures the error of each collapse, in parallel; the result does not depend on the number of threads.
