@@ -40,7 +40,7 @@ pub fn columns_of(
     }
     let pool = threads.pool()?;
     pool.install(|| {
-        let source = input::mesh(source, phases)?;
+        let source = input::mesh(source, input::Seams::Weld, phases)?;
         let options = EdgeCollapseOptions {
             bits: (!precision.lossless).then_some(precision.bits),
             ..EdgeCollapseOptions::default()

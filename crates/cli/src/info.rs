@@ -65,7 +65,7 @@ fn hierarchy(path: &Path, as_json: bool) -> Result<()> {
 
 fn source(path: &Path, as_json: bool, quiet: bool) -> Result<()> {
     let phases = Phases::new(quiet);
-    let source = input::mesh(path, &phases)?;
+    let source = input::mesh(path, input::Seams::Keep, &phases)?;
     phases.start("survey");
     let survey = survey(&source.mesh);
     phases.finish();

@@ -26,8 +26,17 @@ pub fn hierarchy(path: &Path) -> Result<EdgeCollapse> {
     Ok(format::read(path)?)
 }
 
+/// How vertices that differ only in normal or colour are read.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Seams {
+    /// As the file has them.
+    Keep,
+    /// As one: a simplified surface must not open along them.
+    Weld,
+}
+
 /// Reads a mesh.
-pub fn mesh(path: &Path, phases: &Phases) -> Result<Source> {
+pub fn mesh(path: &Path, seams: Seams, phases: &Phases) -> Result<Source> {
     let mut phase = None;
     let mut progress = |at: io::Progress| {
         if phase.replace(at.phase) != Some(at.phase) {
@@ -40,13 +49,16 @@ pub fn mesh(path: &Path, phases: &Phases) -> Result<Source> {
         }
         phases.at(at.done);
     };
-    Ok(io::read_with(path, ReadOptions { progress: Some(&mut progress), ..ReadOptions::default() })?)
+    Ok(io::read_with(
+        path,
+        ReadOptions { weld_seams: seams == Seams::Weld, progress: Some(&mut progress), ..ReadOptions::default() },
+    )?)
 }
 
 /// Reads a mesh, or the finest mesh of a hierarchy.
 pub fn any_mesh(path: &Path, phases: &Phases) -> Result<TriangleMesh> {
     if !is_front(path)? {
-        return Ok(mesh(path, phases)?.mesh);
+        return Ok(mesh(path, Seams::Keep, phases)?.mesh);
     }
     phases.start("read");
     Ok(meshfront::finest(&hierarchy(path)?))
