@@ -144,6 +144,10 @@ test("a missing file, and one that is no .front file", async ({ page }) => {
   await expect(page.getByRole("alert")).toContainText("This is not a .front file");
 });
 
+/** Waits until what arrived is on the screen: uploads happen when a frame is drawn, not when a front is settled. */
+const drawn = (page: Page) =>
+  page.evaluate(() => new Promise<void>((done) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(() => done())))));
+
 test("only changed ranges are uploaded", async ({ page }) => {
   await page.addInitScript(() => {
     window.uploads = { bytes: 0, whole: 0 };
@@ -162,6 +166,7 @@ test("only changed ranges are uploaded", async ({ page }) => {
   await lookFrom(page, 0.8);
   // There and back once, so that the buffers are as long as they have to be.
   await lookFrom(page, 0.79);
+  await drawn(page);
   await page.evaluate(() => {
     window.uploads = { bytes: 0, whole: 0 };
     window.changed = { updates: 0, bytes: 0 };
@@ -172,6 +177,7 @@ test("only changed ranges are uploaded", async ({ page }) => {
     });
   });
   await lookFrom(page, 0.785);
+  await drawn(page);
   const [uploads, changed] = await page.evaluate(() => [window.uploads, window.changed] as const);
   const everything = await page.evaluate(() => {
     const { attributes, index } = window.meshfront.object.geometry;
