@@ -20,12 +20,14 @@
 use glam::Vec3;
 use meshfront_mesh::{TriangleMesh, VertexColumns, VertexId};
 use meshfront_refine::{Footprint, MultiTessellation, UpdateId};
+use std::array::from_fn;
 
 mod columns;
 mod derive;
 mod encode;
 mod footprint;
 mod front_mesh;
+mod slot_table;
 
 pub use columns::{AddedTriangle, Columns, ExplicitSplit, Grid, InvalidColumns, Oct, SourceCounts, round_error_up};
 pub use encode::{EncodedSplit, StarTriangle, encode_split};
@@ -43,20 +45,24 @@ pub struct EdgeCollapse {
     explicit: Vec<ExplicitSplit>,
     /// First triangle number of an explicit split's third added triangle, parallel to `explicit`.
     explicit_extra: Vec<u32>,
-    positions: Positions,
+    places: Places,
+    /// Per update: the lower halves of [`Split::place`]; empty where 16 bits do.
+    fine_places: Vec<[[u16; 3]; 2]>,
+    grid: Option<Grid>,
     source_normals: bool,
     colors: Vec<[[u8; 4]; 2]>,
     costs: Vec<f32>,
-    footprints: Vec<PackedFootprint>,
+    /// One more than there are updates: lists end where the next one's begin.
+    nodes: Vec<Node>,
     frame: Frame,
-    needs: Arcs,
-    children: Arcs,
+    needs: Vec<UpdateId>,
+    children: Vec<UpdateId>,
     roots: Vec<UpdateId>,
     floor_error: f32,
     source: SourceCounts,
 }
 
-/// What applying an update reads besides positions, together: one place in memory, not four.
+/// What applying an update reads, in half a cache line.
 #[derive(Clone, Copy, Debug)]
 struct Split {
     /// See [`Columns::vertex`].
@@ -65,49 +71,67 @@ struct Split {
     sides: u32,
     /// Of u and v: the source's, or derived.
     normals: [Oct; 2],
+    /// Where u and v are, see [`Places`].
+    place: [[u16; 3]; 2],
     /// How many splits lie above the vertex, up to 255.
     level: u8,
     /// How many triangles the update adds.
     added: u8,
+    /// Where they follow from the sides: indices in the star of those that end at a gap, see [`gaps`](front_mesh::gaps).
+    gaps: [u8; 2],
 }
 
-/// Where children are. Grid indices of up to 16 bits take half the memory of points.
-#[derive(Clone, Debug)]
-enum Positions {
-    Grid16 { grid: Grid, index: Vec<[[u16; 3]; 2]> },
-    Points { grid: Option<Grid>, points: Vec<[Vec3; 2]> },
+/// What deciding on an update reads.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    footprint: PackedFootprint,
+    /// Where the lists of this update begin in `needs` and in `children`.
+    needs: u32,
+    children: u32,
 }
 
-impl Positions {
+/// How positions are kept: the upper 16 bits of a coordinate with the split, the lower ones in a column of their
+/// own where there are any.
+#[derive(Clone, Copy, Debug)]
+enum Places {
+    /// Indices on a grid of up to 16 bits.
+    Grid16(Grid),
+    /// The bits of `f32` coordinates.
+    Points,
+}
+
+impl Places {
     #[inline]
-    fn get(&self, m: usize, child: usize) -> Vec3 {
+    fn join(&self, upper: [u16; 3], lower: impl FnOnce() -> [u16; 3]) -> Vec3 {
         match self {
-            Positions::Grid16 { grid, index } => grid.point(index[m][child].map(u32::from)),
-            Positions::Points { points, .. } => points[m][child],
+            Places::Grid16(grid) => grid.point(upper.map(u32::from)),
+            Places::Points => {
+                let lower = lower();
+                Vec3::from_array(from_fn(|k| f32::from_bits((upper[k] as u32) << 16 | lower[k] as u32)))
+            }
         }
     }
-    fn grid(&self) -> Option<Grid> {
+    /// Upper and lower halves.
+    fn split(&self, p: [Vec3; 2]) -> ([[u16; 3]; 2], [[u16; 3]; 2]) {
         match self {
-            Positions::Grid16 { grid, .. } => Some(*grid),
-            Positions::Points { grid, .. } => *grid,
+            Places::Grid16(grid) => (p.map(|p| grid.index(p).map(|i| i as u16)), Default::default()),
+            Places::Points => {
+                let bits = p.map(|p| p.to_array().map(f32::to_bits));
+                (bits.map(|p| p.map(|b| (b >> 16) as u16)), bits.map(|p| p.map(|b| b as u16)))
+            }
         }
     }
 }
 
 /// Lists of updates, one per update, end to end: list m is `items[offsets[m]..offsets[m + 1]]`.
-#[derive(Clone, Debug, Default)]
-struct Arcs {
+struct UpdateLists {
     offsets: Vec<u32>,
     items: Vec<UpdateId>,
 }
 
-impl Arcs {
-    #[inline]
+impl UpdateLists {
     fn of(&self, m: usize) -> &[UpdateId] {
         &self.items[self.offsets[m] as usize..self.offsets[m + 1] as usize]
-    }
-    fn bytes(&self) -> usize {
-        size_of_val(&self.offsets[..]) + size_of_val(&self.items[..])
     }
 }
 
@@ -123,17 +147,17 @@ impl EdgeCollapse {
 
     /// The columns as stored: `EdgeCollapse::new(h.columns())` is `h` again.
     pub fn columns(&self) -> Columns {
-        let updates = 0..self.splits.len();
+        let updates = (0..self.splits.len() as u32).map(UpdateId);
         Columns {
-            grid: self.grid(),
+            grid: self.grid,
             base: self.base.clone(),
             vertex: self.splits.iter().map(|s| s.vertex).collect(),
             sides: self.splits.iter().map(|s| s.sides).collect(),
             explicit: self.explicit.clone(),
-            positions: updates.map(|m| [self.positions.get(m, 0), self.positions.get(m, 1)]).collect(),
+            positions: updates.clone().map(|m| self.places(m)).collect(),
             normals: if self.source_normals { self.splits.iter().map(|s| s.normals).collect() } else { vec![] },
             colors: self.colors.clone(),
-            errors: self.footprints.iter().map(|f| f.error).collect(),
+            errors: updates.map(|m| self.error(m)).collect(),
             floor_error: self.floor_error,
             source: self.source,
         }
@@ -145,7 +169,7 @@ impl EdgeCollapse {
     }
     /// How positions are quantized; `None` where they are not.
     pub fn grid(&self) -> Option<Grid> {
-        self.positions.grid()
+        self.grid
     }
     /// Sizes of the source mesh.
     pub fn source(&self) -> SourceCounts {
@@ -165,7 +189,7 @@ impl EdgeCollapse {
     }
     /// The error of an update: see [`Footprint::error`].
     pub fn error(&self, m: UpdateId) -> f32 {
-        self.footprints[m.ix()].error
+        self.nodes[m.ix()].footprint.error
     }
     /// What leaving an update out costs the mesh as a whole: squared distance times area, of its own cells or of the
     /// worst update that needs it. Where the error says how far the worst point is, this says which of two updates does
@@ -175,30 +199,26 @@ impl EdgeCollapse {
     }
     /// Direct needs of an update, ascending; what follows by transitivity may be left out.
     pub fn needs_of(&self, m: UpdateId) -> &[UpdateId] {
-        self.needs.of(m.ix())
+        &self.needs[self.nodes[m.ix()].needs as usize..self.nodes[m.ix() + 1].needs as usize]
     }
     /// Updates that need an update directly, ascending.
     pub fn children_of(&self, m: UpdateId) -> &[UpdateId] {
-        self.children.of(m.ix())
+        &self.children[self.nodes[m.ix()].children as usize..self.nodes[m.ix() + 1].children as usize]
     }
 
     /// Memory of all columns, bytes. The base mesh (a few hundred triangles) is counted too.
     pub fn memory_bytes(&self) -> usize {
-        let positions = match &self.positions {
-            Positions::Grid16 { index, .. } => size_of_val(&index[..]),
-            Positions::Points { points, .. } => size_of_val(&points[..]),
-        };
         let explicit: usize =
             self.explicit.iter().map(|e| size_of::<ExplicitSplit>() + size_of_val(&e.added[..]) + 4).sum();
         let VertexColumns { normals, colors } = &self.base.vertex;
-        positions
-            + explicit
-            + self.needs.bytes()
-            + self.children.bytes()
+        explicit
+            + size_of_val(&self.needs[..])
+            + size_of_val(&self.children[..])
+            + size_of_val(&self.fine_places[..])
             + size_of_val(&self.splits[..])
             + size_of_val(&self.colors[..])
             + size_of_val(&self.costs[..])
-            + size_of_val(&self.footprints[..])
+            + size_of_val(&self.nodes[..])
             + size_of_val(&self.roots[..])
             + size_of_val(&self.base.positions[..])
             + size_of_val(&self.base.triangles[..])
@@ -207,6 +227,14 @@ impl EdgeCollapse {
             + size_of_val(&colors[..])
     }
 
+    /// Where u and v are.
+    fn places(&self, m: UpdateId) -> [Vec3; 2] {
+        [0, 1].map(|which| self.place(m.ix(), which))
+    }
+    #[inline]
+    fn place(&self, m: usize, which: usize) -> Vec3 {
+        self.places.join(self.splits[m].place[which], || self.fine_places[m][which])
+    }
     fn base_vertices(&self) -> u32 {
         self.base.positions.len() as u32
     }
@@ -242,7 +270,7 @@ impl EdgeCollapse {
             Some(m) => {
                 let which = ((v.0 - self.base_vertices()) & 1) as usize;
                 VertexLook {
-                    position: self.positions.get(m.ix(), which),
+                    position: self.place(m.ix(), which),
                     normal: self.splits[m.ix()].normals[which],
                     color: self.colors.get(m.ix()).map(|c| c[which]),
                 }
@@ -270,22 +298,22 @@ impl MultiTessellation for EdgeCollapse {
     }
     #[inline]
     fn footprint(&self, m: UpdateId) -> Footprint {
-        self.frame.unpack(&self.footprints[m.ix()])
+        self.frame.unpack(&self.nodes[m.ix()].footprint)
     }
     fn roots(&self, visit: impl FnMut(UpdateId)) {
         self.roots.iter().copied().for_each(visit)
     }
     #[inline]
     fn children(&self, m: UpdateId, visit: impl FnMut(UpdateId)) {
-        self.children.of(m.ix()).iter().copied().for_each(visit)
+        self.children_of(m).iter().copied().for_each(visit)
     }
     #[inline]
     fn needs(&self, _: &FrontMesh, m: UpdateId, visit: impl FnMut(UpdateId)) {
-        self.needs.of(m.ix()).iter().copied().for_each(visit)
+        self.needs_of(m).iter().copied().for_each(visit)
     }
     #[inline]
     fn needed_by(&self, _: &FrontMesh, m: UpdateId, visit: impl FnMut(UpdateId)) {
-        self.children.of(m.ix()).iter().copied().for_each(visit)
+        self.children_of(m).iter().copied().for_each(visit)
     }
     #[inline]
     fn refine(&self, mesh: &mut FrontMesh, m: UpdateId) {

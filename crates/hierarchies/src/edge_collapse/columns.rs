@@ -1,5 +1,6 @@
 //! The stored columns: what the simplifier makes and the file holds.
 
+use super::front_mesh::{Added, Star};
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use meshfront_mesh::{TriangleMesh, VertexId};
@@ -75,6 +76,14 @@ pub struct AddedTriangle {
     pub before: bool,
     /// `false`: (u, w, v); `true`: (v, w, u).
     pub flipped: bool,
+}
+
+impl AddedTriangle {
+    /// With the vertex slot that it speaks of.
+    pub(super) fn of(&self, star: &Star) -> Added {
+        let t = &star[self.star as usize];
+        Added { w: if self.before { t.before } else { t.after }, flipped: self.flipped }
+    }
 }
 
 /// A uniform grid of positions: the same step on all axes.

@@ -2,8 +2,9 @@
 
 use super::columns::{Columns, InvalidColumns, Oct};
 use super::footprint::{Frame, PackedFootprint, angle_between, half_angle};
-use super::front_mesh::{Added, AddedList, FrontMesh, MAX_ADDED, Star, added_by_sides};
-use super::{Arcs, EdgeCollapse, Positions, Split};
+use super::front_mesh::{Added, AddedList, FrontMesh, MAX_ADDED, Star, StarCorner, gap_triangle, gaps};
+use super::{EdgeCollapse, Node, Places, Split, UpdateLists};
+use arrayvec::ArrayVec;
 use glam::Vec3;
 use meshfront_mesh::Bounds;
 use meshfront_refine::UpdateId;
@@ -38,7 +39,7 @@ pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
     let mut h = undecorated(columns)?;
     let mut front = FrontMesh::base(&h);
     let mut cells = Vec::with_capacity(updates);
-    let mut needs = Arcs { offsets: Vec::with_capacity(updates + 1), items: Vec::with_capacity(3 * updates) };
+    let mut needs = UpdateLists { offsets: Vec::with_capacity(updates + 1), items: Vec::with_capacity(3 * updates) };
     needs.offsets.push(0);
     let mut ring = vec![];
     for m in 0..updates {
@@ -47,45 +48,49 @@ pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
         let split = h.splits[m];
         let slot = front.slot(split.vertex).ok_or(invalid("splits a vertex that is not live"))?;
         let star = front.star(slot).ok_or(invalid("its star has too many triangles"))?;
-        let added = check_split(&h, id, &star).map_err(invalid)?;
+        let (added, gaps) = check_split(&h, id, &star).map_err(invalid)?;
 
         // The direct needs are the makers of s and of its ring.
         ring.clear();
         ring.extend(h.maker(split.vertex));
-        for i in 0..star.len {
-            ring.extend(h.maker(front.id(star.after[i])));
-            ring.extend(h.maker(front.id(star.before[i])));
+        for t in &star {
+            ring.extend(h.maker(front.id(t.after)));
+            ring.extend(h.maker(front.id(t.before)));
         }
         ring.sort_unstable();
         ring.dedup();
-        if ring.iter().any(|&n| h.footprints[n.ix()].error < h.footprints[m].error) {
+        if ring.iter().any(|&n| h.error(n) < h.error(id)) {
             return Err(invalid("its error is larger than that of an update that it needs"));
         }
         push_reduced(&mut needs, &ring);
 
         h.splits[m].level = front.buffers.levels[slot as usize];
-        h.splits[m].added = added.len as u8;
+        h.splits[m].added = added.len() as u8;
+        h.splits[m].gaps = gaps;
         let points = &front.buffers.positions;
-        let fine = |i: usize| {
-            let child = h.positions.get(m, (split.sides >> i & 1) as usize);
-            [child, points[star.after[i] as usize], points[star.before[i] as usize]]
+        let children = h.places(id);
+        let fine = |(i, t): (usize, &StarCorner)| {
+            [children[(split.sides >> i & 1) as usize], points[t.after as usize], points[t.before as usize]]
         };
-        let gone = |a: &Added| [h.positions.get(m, 0), points[a.w as usize], h.positions.get(m, 1)];
-        let fine = (0..star.len).map(fine).chain(added.as_slice().iter().map(gone));
+        let gone = |a: &Added| [children[0], points[a.w as usize], children[1]];
+        let fine = star.iter().enumerate().map(fine).chain(added.iter().map(gone));
         h.costs[m] = step_cost(points[slot as usize], fine);
         cells.push(cells_of(&h, id, points, slot, &star, &added));
         front.buffers.clear_changes();
         front.refine(&h, id);
     }
-    h.children = reversed(&needs);
+    let children = reversed(&needs);
     h.roots = (0..updates as u32).map(UpdateId).filter(|m| needs.of(m.ix()).is_empty()).collect();
-    h.needs = needs;
+    for (m, node) in h.nodes.iter_mut().enumerate() {
+        (node.needs, node.children) = (needs.offsets[m], children.offsets[m]);
+    }
+    (h.needs, h.children) = (needs.items, children.items);
     if !h.source_normals {
         derive_normals(&mut h, &front);
     }
     derive_footprints(&mut h, &cells);
     for m in (0..updates).rev() {
-        h.costs[m] = h.children.of(m).iter().map(|c| h.costs[c.ix()]).fold(h.costs[m], f32::max);
+        h.costs[m] = h.children_of(UpdateId(m as u32)).iter().map(|c| h.costs[c.ix()]).fold(h.costs[m], f32::max);
     }
     Ok(h)
 }
@@ -176,6 +181,10 @@ fn undecorated(c: Columns) -> Result<EdgeCollapse, InvalidColumns> {
     });
     let frame = Frame::new(bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }));
     let source_normals = !c.base.vertex.normals.is_empty();
+    let places = match c.grid {
+        Some(grid) if grid.bits <= 16 => Places::Grid16(grid),
+        _ => Places::Points,
+    };
     Ok(EdgeCollapse {
         base_normals: if source_normals {
             c.base.vertex.normals.iter().map(|&n| Oct::encode(n)).collect()
@@ -186,70 +195,73 @@ fn undecorated(c: Columns) -> Result<EdgeCollapse, InvalidColumns> {
         splits: (0..updates)
             .map(|m| {
                 let normals = c.normals.get(m).copied().unwrap_or_default();
-                Split { vertex: c.vertex[m], sides: c.sides[m], normals, level: 0, added: 0 }
+                let (place, _) = places.split(c.positions[m]);
+                Split { vertex: c.vertex[m], sides: c.sides[m], normals, place, level: 0, added: 0, gaps: [0; 2] }
             })
             .collect(),
         explicit: c.explicit,
         explicit_extra,
-        positions: match c.grid {
-            Some(grid) if grid.bits <= 16 => {
-                let index = |p: Vec3| grid.index(p).map(|i| i as u16);
-                Positions::Grid16 { grid, index: c.positions.iter().map(|p| p.map(index)).collect() }
-            }
-            grid => Positions::Points { grid, points: c.positions },
+        fine_places: match places {
+            Places::Grid16(_) => vec![],
+            Places::Points => c.positions.iter().map(|&p| places.split(p).1).collect(),
         },
+        places,
+        grid: c.grid,
         source_normals,
         colors: c.colors,
         costs: vec![0.0; updates],
-        footprints: c.errors.iter().map(|&error| PackedFootprint::of_error(error)).collect(),
+        nodes: c
+            .errors
+            .iter()
+            .chain(&[0.0])
+            .map(|&error| Node { footprint: PackedFootprint::of_error(error), needs: 0, children: 0 })
+            .collect(),
         frame,
-        needs: Arcs::default(),
-        children: Arcs::default(),
+        needs: vec![],
+        children: vec![],
         roots: vec![],
         floor_error: c.floor_error,
         source: c.source,
     })
 }
 
-/// Whether a split can be applied to the star that it finds, and what it adds.
-fn check_split(h: &EdgeCollapse, m: UpdateId, star: &Star) -> Result<AddedList, &'static str> {
+/// Whether a split can be applied to the star that it finds; what it adds, and which gaps that closes.
+fn check_split(h: &EdgeCollapse, m: UpdateId, star: &Star) -> Result<(AddedList, [u8; 2]), &'static str> {
     let sides = h.splits[m.ix()].sides;
-    if star.len == 0 {
+    if star.is_empty() {
         return Err("splits a vertex without triangles");
     }
     let used = sides & !Columns::EXPLICIT;
-    if (used as u64) >> star.len != 0 {
+    if (used as u64) >> star.len() != 0 {
         return Err("its sides speak of more triangles than the star has");
     }
-    let added = match h.explicit_index(m) {
-        None => added_by_sides(star, used).ok_or("its sides leave more than two gaps")?,
+    let mut closed = [0; 2];
+    let added: AddedList = match h.explicit_index(m) {
+        None => {
+            let gaps = gaps(star, used).ok_or("its sides leave more than two gaps")?;
+            closed[..gaps.len()].copy_from_slice(&gaps);
+            gaps.iter().map(|&g| gap_triangle(star, used, g)).collect()
+        }
         Some(e) => {
             let list = &h.explicit[e].added;
             if list.len() > MAX_ADDED {
                 return Err("it adds too many triangles");
             }
-            let mut found = added_by_sides(&Star { len: 0, ..*star }, 0).expect("nothing follows from an empty star");
-            for a in list {
-                let i = a.star as usize;
-                if i >= star.len {
-                    return Err("an added triangle names a triangle that the star does not have");
-                }
-                found.items[found.len].w = if a.before { star.before[i] } else { star.after[i] };
-                found.items[found.len].flipped = a.flipped;
-                found.len += 1;
+            if list.iter().any(|a| a.star as usize >= star.len()) {
+                return Err("an added triangle names a triangle that the star does not have");
             }
-            found
+            list.iter().map(|a| a.of(star)).collect()
         }
     };
     let on_v = used.count_ones() as usize;
-    if added.len == 0 && (on_v == 0 || on_v == star.len) {
+    if added.is_empty() && (on_v == 0 || on_v == star.len()) {
         return Err("a child would have no triangles");
     }
-    Ok(added)
+    Ok((added, closed))
 }
 
 /// Appends the needs of one update, without those that another of them needs anyway.
-fn push_reduced(needs: &mut Arcs, direct: &[UpdateId]) {
+fn push_reduced(needs: &mut UpdateLists, direct: &[UpdateId]) {
     // A bounded search finds nearly all that is implied; the rest costs four bytes and changes nothing.
     const MOST_VISITS: usize = 12;
     let least = direct.first().copied().unwrap_or(UpdateId(0));
@@ -282,7 +294,7 @@ fn push_reduced(needs: &mut Arcs, direct: &[UpdateId]) {
     needs.offsets.push(needs.items.len() as u32);
 }
 
-fn reversed(needs: &Arcs) -> Arcs {
+fn reversed(needs: &UpdateLists) -> UpdateLists {
     let updates = needs.offsets.len() - 1;
     let mut offsets = vec![0u32; updates + 1];
     for n in &needs.items {
@@ -299,34 +311,31 @@ fn reversed(needs: &Arcs) -> Arcs {
             at[n.ix()] += 1;
         }
     }
-    Arcs { offsets, items }
+    UpdateLists { offsets, items }
 }
 
 fn cells_of(h: &EdgeCollapse, m: UpdateId, points: &[Vec3], slot: u32, star: &Star, added: &AddedList) -> Cells {
     let s = points[slot as usize];
-    let children = [h.positions.get(m.ix(), 0), h.positions.get(m.ix(), 1)];
+    let children = h.places(m);
     let (mut min, mut max) = (s.min(children[0]).min(children[1]), s.max(children[0]).max(children[1]));
-    let mut normals = [Vec3::ZERO; 2 * Columns::MAX_STAR + MAX_ADDED];
-    let mut len = 0;
+    let mut normals = ArrayVec::<Vec3, { 2 * Columns::MAX_STAR + MAX_ADDED }>::new();
     let mut cell = |a: Vec3, b: Vec3, c: Vec3| {
         let normal = (b - a).cross(c - a).normalize_or_zero();
         if normal != Vec3::ZERO {
-            normals[len] = normal;
-            len += 1;
+            normals.push(normal);
         }
     };
-    for i in 0..star.len {
-        let (a, b) = (points[star.after[i] as usize], points[star.before[i] as usize]);
+    for (i, t) in star.iter().enumerate() {
+        let (a, b) = (points[t.after as usize], points[t.before as usize]);
         (min, max) = (min.min(a).min(b), max.max(a).max(b));
         cell(s, a, b);
         cell(children[(h.splits[m.ix()].sides >> i & 1) as usize], a, b);
     }
-    for a in added.as_slice() {
+    for a in added {
         let w = points[a.w as usize];
         let [u, v] = children;
         if a.flipped { cell(v, w, u) } else { cell(u, w, v) }
     }
-    let normals = &normals[..len];
     let axis = normals.iter().sum::<Vec3>().normalize_or(Vec3::Z);
     let cos = normals.iter().map(|n| n.dot(axis)).fold(1.0, f32::min);
     Cells { min, max, axis, half_angle: if cos <= 0.0 { PI } else { cos.acos() } }
@@ -337,24 +346,24 @@ fn cells_of(h: &EdgeCollapse, m: UpdateId, points: &[Vec3], slot: u32, star: &St
 fn derive_footprints(h: &mut EdgeCollapse, cells: &[Cells]) {
     for m in (0..cells.len()).rev() {
         let own = &cells[m];
-        let children = h.children.of(m);
+        let children = h.children_of(UpdateId(m as u32));
         let (mut min, mut max) = (own.min, own.max);
         let mut axis = own.axis;
         let mut culls = own.half_angle < FRAC_PI_2;
         for c in children {
-            let f = h.frame.unpack(&h.footprints[c.ix()]);
+            let f = h.frame.unpack(&h.nodes[c.ix()].footprint);
             (min, max) = (min.min(f.center - f.radius), max.max(f.center + f.radius));
             axis += f.cone.axis;
             culls &= f.cone.cos > 0.0;
         }
         let footprint = h.frame.pack(
-            h.footprints[m].error,
+            h.nodes[m].footprint.error,
             (min + max) * 0.5,
             axis.normalize_or(Vec3::Z),
             |center| {
                 let corner = (own.min - center).abs().max((own.max - center).abs()).length();
                 children.iter().fold(corner, |radius, c| {
-                    let f = h.frame.unpack(&h.footprints[c.ix()]);
+                    let f = h.frame.unpack(&h.nodes[c.ix()].footprint);
                     radius.max(center.distance(f.center) + f.radius)
                 })
             },
@@ -363,12 +372,12 @@ fn derive_footprints(h: &mut EdgeCollapse, cells: &[Cells]) {
                     return PI;
                 }
                 children.iter().fold(angle_between(axis, own.axis) + own.half_angle, |angle, c| {
-                    let f = h.frame.unpack(&h.footprints[c.ix()]);
+                    let f = h.frame.unpack(&h.nodes[c.ix()].footprint);
                     angle.max(angle_between(axis, f.cone.axis) + half_angle(&f.cone))
                 })
             },
         );
-        h.footprints[m] = footprint;
+        h.nodes[m].footprint = footprint;
     }
 }
 

@@ -1,7 +1,7 @@
 //! The inverse of a split's replay: from what a collapse did to `sides` and, where needed, an explicit list.
 
 use super::columns::{AddedTriangle, Columns};
-use super::front_mesh::{Star, added_by_sides};
+use super::front_mesh::{Star, StarCorner, gap_triangle, gaps};
 
 /// A triangle (s, after, before) of the star of s; `after` and `before` are any numbers that tell vertices apart.
 #[derive(Clone, Copy, Debug)]
@@ -39,26 +39,22 @@ pub fn encode_split(star: &mut [StarTriangle], removed: &[(u32, bool)]) -> Encod
     star.sort_unstable_by_key(|t| t.number);
     let swapped = star.first().is_some_and(|t| t.on_v);
     let mut sides = 0;
-    let mut decoded = Star {
-        len: star.len(),
-        corner: [0; Columns::MAX_STAR],
-        after: [0; Columns::MAX_STAR],
-        before: [0; Columns::MAX_STAR],
-    };
+    let mut decoded = Star::new();
     for (i, t) in star.iter().enumerate() {
         sides |= u32::from(t.on_v != swapped) << i;
-        (decoded.after[i], decoded.before[i]) = (t.after, t.before);
+        decoded.push(StarCorner { corner: 0, after: t.after, before: t.before });
     }
     let find = |w: u32, flipped: bool| removed.iter().position(|&(rw, rf)| rw == w && (rf != swapped) == flipped);
-    if let Some(added) = added_by_sides(&decoded, sides) {
-        let order: Option<Vec<usize>> = added.as_slice().iter().map(|a| find(a.w, a.flipped)).collect();
+    if let Some(gaps) = gaps(&decoded, sides) {
+        let added = gaps.iter().map(|&g| gap_triangle(&decoded, sides, g));
+        let order: Option<Vec<usize>> = added.map(|a| find(a.w, a.flipped)).collect();
         if let Some(order) = order.filter(|o| o.len() == removed.len() && (o.len() < 2 || o[0] != o[1])) {
             return EncodedSplit { sides, swapped, order, explicit: None };
         }
     }
     let listed = removed.iter().map(|&(w, flipped)| {
         let star = star.iter().position(|t| t.after == w || t.before == w).expect("w is a neighbour of s");
-        AddedTriangle { star: star as u8, before: decoded.before[star] == w, flipped: flipped != swapped }
+        AddedTriangle { star: star as u8, before: decoded[star].before == w, flipped: flipped != swapped }
     });
     EncodedSplit {
         sides: sides | Columns::EXPLICIT,
