@@ -104,8 +104,11 @@ fn random_complex(seed: u64) -> TriangleMesh {
 
 #[test]
 fn whatever_is_glued_together() {
-    for seed in 0..100 {
+    for seed in 0..300 {
         let mesh = random_complex(seed);
+        if mesh.triangles.is_empty() {
+            continue;
+        }
         let h = build(&mesh, None, 1);
         let source = Source::new(mesh);
         let updates = Updates::watch(&h);

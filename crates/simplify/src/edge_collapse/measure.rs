@@ -27,20 +27,50 @@ pub(super) struct Errors {
     pub floor: f32,
 }
 
-/// Points inside a triangle, by the weights of its corners.
-const INSIDE: [[f32; 3]; 1] = [[1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0]];
-/// Points inside an edge, as fractions of it.
-const ON_EDGE: [f32; 1] = [0.5];
-/// Followed points per source triangle: its inside, half of each edge, a sixth of each corner.
-const PER_TRIANGLE: f32 = INSIDE.len() as f32 + 1.5 * ON_EDGE.len() as f32 + 0.5;
+/// Followed points: source vertices, `pieces - 1` inside each edge, and inside each triangle those of a lattice that
+/// is finer by one.
+#[derive(Clone, Copy)]
+struct Sampling {
+    pieces: u32,
+}
+
+impl Sampling {
+    /// The fewest: middles of edges and of triangles.
+    const FEWEST: Sampling = Sampling { pieces: 2 };
+
+    /// Small meshes can afford more points, and need them: few triangles stand behind each cell.
+    fn of(triangles: usize) -> Sampling {
+        const MOST_PIECES: u32 = 8;
+        const MOST_POINTS: f32 = 4e5;
+        let fits = |s: &Sampling| s.per_triangle() * triangles as f32 <= MOST_POINTS;
+        (2..=MOST_PIECES).rev().map(|pieces| Sampling { pieces }).find(fits).unwrap_or(Sampling::FEWEST)
+    }
+    /// Its inside, half of each edge, a sixth of each corner.
+    const fn per_triangle(self) -> f32 {
+        let n = self.pieces as f32;
+        n * (n - 1.0) * 0.5 + 1.5 * (n - 1.0) + 0.5
+    }
+    /// As fractions of an edge.
+    fn on_edge(self) -> impl Iterator<Item = f32> {
+        (1..self.pieces).map(move |i| i as f32 / self.pieces as f32)
+    }
+    /// As weights of the second and the third corner.
+    fn inside(self) -> impl Iterator<Item = [f32; 2]> {
+        let n = self.pieces + 1;
+        (1..n).flat_map(move |i| (1..n - i).map(move |j| [i as f32 / n as f32, j as f32 / n as f32]))
+    }
+}
+
 /// How many points a cell keeps, on average. With more, those that are no farther away than the collapse itself moved
 /// the surface are thinned out: neighbours see what they would see.
 const PER_CELL: f32 = 10.0;
-/// What the distance of all other points may exceed that of the followed ones by, after so many collapses: most where
-/// cells are of the size of the source's triangles, so that few points are on each. Set from dense samples on scans,
-/// with which the suite checks it too.
-fn margin(collapses: u32) -> f32 {
-    (2.3 - 0.06 * collapses.saturating_sub(10) as f32).max(1.7)
+/// What the distance of all other points may exceed that of the followed ones by, on a cell with the area of so many
+/// source triangles like the one that the point comes from (the square of that number is given). Most where cells are of
+/// the size of the source's triangles, so that few points are on each. Set from dense samples on scans and on small
+/// random complexes, with which the suite checks it too.
+#[inline]
+fn margin(triangles_squared: f32) -> f32 {
+    (2.9 - 0.15 * 0.5 * triangles_squared.max(1.0).log2()).clamp(1.4, 2.3)
 }
 
 /// Measures the error of each collapse, in parallel; the result does not depend on the number of threads.
@@ -50,6 +80,7 @@ pub(super) fn measure(source: &TriangleMesh, record: &Record, progress: &dyn Pro
     let ways = Ways::of(record, count);
     let squared: Vec<AtomicU32> = (0..record.collapses.len()).map(|_| AtomicU32::new(0)).collect();
     let floor = AtomicU32::new(0);
+    let sampling = Sampling::of(count);
     let done = AtomicU64::new(0);
 
     // Each vertex goes with the first triangle that has it, so that what goes the same way goes together.
@@ -75,10 +106,12 @@ pub(super) fn measure(source: &TriangleMesh, record: &Record, progress: &dyn Pro
             let corners = source.triangles[t as usize];
             let [a, b, c] = corners.map(|v| source.positions[v.ix()]);
             let area = (b - a).cross(c - a).length();
+            // A sliver stands for as little as its area, and says as little as its length.
+            let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
             let mut count = 0;
             let mut follow = |p: Vec3| {
                 count += 1;
-                walk.follow(p, t, PER_CELL * area / PER_TRIANGLE / fraction(t, count));
+                walk.follow(p, t, longest, PER_CELL * area / Sampling::FEWEST.per_triangle() / fraction(t, count));
             };
             for k in 0..3 {
                 if fresh[t as usize][k] {
@@ -87,14 +120,14 @@ pub(super) fn measure(source: &TriangleMesh, record: &Record, progress: &dyn Pro
                     follow(source.positions[v]);
                 }
             }
-            for [wa, wb, wc] in INSIDE {
-                follow(a * wa + b * wb + c * wc);
+            for [along_b, along_c] in sampling.inside() {
+                follow(a + (b - a) * along_b + (c - a) * along_c);
             }
             for (k, p, q) in [(0, a, b), (1, b, c), (2, c, a)] {
                 // An inner edge is seen from both sides: it is followed from one.
                 let (from, to) = (corners[k], corners[(k + 1) % 3]);
                 if from < to || (record.rim[from.ix()] && record.rim[to.ix()]) {
-                    for along in ON_EDGE {
+                    for along in sampling.on_edge() {
                         follow(p + (q - p) * along);
                     }
                 }
@@ -178,12 +211,12 @@ struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Follows a point from a source triangle until no collapse is left, or until it is on a cell of more than `crowd`
-    /// (twice an area) and no farther from it than the collapse itself moved the surface.
-    fn follow(&self, p: Vec3, triangle: u32, crowd: f32) {
+    /// Follows a point from a source triangle of twice this area until no collapse is left, or until its cell has more
+    /// than `PER_CELL` points a `fraction` of which stays, and is no farther than the collapse itself moved the surface.
+    fn follow(&self, p: Vec3, triangle: u32, longest: f32, crowd: f32) {
+        let per_area_squared = 4.0 / 3.0 / (longest * longest).max(f32::MIN_POSITIVE);
         let crowd_squared = crowd * crowd;
         let mut way = self.ways.first[triangle as usize];
-        let mut collapses = 0;
         while way != NONE {
             let i = (way >> 6) as usize;
             let star = self.record.star_of(i);
@@ -204,14 +237,12 @@ impl Walk<'_> {
                     }
                 }
             }
-            collapses += 1;
-            raise(&self.squared[i], distance * margin(collapses).powi(2));
+            let [a, b, c] = self.record.cell(i, at, p);
+            let area_squared = (b - a).cross(c - a).length_squared();
+            raise(&self.squared[i], distance * margin(area_squared * per_area_squared).powi(2));
             way = self.ways.next[at];
-            if distance <= self.moved[i] {
-                let [a, b, c] = self.record.cell(i, at, p);
-                if (b - a).cross(c - a).length_squared() > crowd_squared {
-                    return;
-                }
+            if distance <= self.moved[i] && area_squared > crowd_squared {
+                return;
             }
         }
     }
