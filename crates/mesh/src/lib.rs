@@ -15,6 +15,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod height_field;
 mod triangle_mesh;
 
 #[cfg(feature = "io")]
@@ -25,6 +26,7 @@ pub mod sample;
 #[cfg(feature = "io")]
 pub mod triangulate;
 
+pub use height_field::{HeightField, Unit};
 pub use triangle_mesh::{Bounds, TriangleId, TriangleMesh, VertexColumns, VertexId};
 
 /// A count with a comma between thousands.
