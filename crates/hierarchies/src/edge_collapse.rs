@@ -17,6 +17,7 @@
 //! [`Columns`] is what is stored; [`EdgeCollapse::new`] validates it by replaying all splits, and
 //! derives what follows from it: needs, children, bounding spheres, normal cones, vertex normals.
 
+use crate::live::{VertexLook, snorm16};
 use glam::Vec3;
 use meshfront_mesh::{TriangleMesh, VertexColumns, VertexId};
 use meshfront_refine::{Footprint, MultiTessellation, UpdateId};
@@ -27,7 +28,6 @@ mod derive;
 mod encode;
 mod footprint;
 mod front_mesh;
-mod slot_table;
 
 pub use columns::{AddedTriangle, Columns, ExplicitSplit, Grid, InvalidColumns, Oct, SourceCounts, round_error_up};
 pub use encode::{EncodedSplit, StarTriangle, encode_split};
@@ -260,31 +260,25 @@ impl EdgeCollapse {
             _ => self.base.triangles.len() as u32 + 2 * m.0 + j as u32,
         }
     }
-    fn vertex_look(&self, v: VertexId) -> VertexLook {
+    fn vertex_look(&self, v: VertexId, level: u8) -> VertexLook {
         match self.maker(v) {
             None => VertexLook {
                 position: self.base.positions[v.ix()],
-                normal: self.base_normals[v.ix()],
+                normal: snorm16(self.base_normals[v.ix()].decode()),
                 color: self.base.vertex.colors.get(v.ix()).copied(),
+                level,
             },
             Some(m) => {
                 let which = ((v.0 - self.base_vertices()) & 1) as usize;
                 VertexLook {
                     position: self.place(m.ix(), which),
-                    normal: self.splits[m.ix()].normals[which],
+                    normal: snorm16(self.splits[m.ix()].normals[which].decode()),
                     color: self.colors.get(m.ix()).map(|c| c[which]),
+                    level,
                 }
             }
         }
     }
-}
-
-/// What a renderer sees of a vertex.
-#[derive(Clone, Copy, Debug)]
-struct VertexLook {
-    position: Vec3,
-    normal: Oct,
-    color: Option<[u8; 4]>,
 }
 
 impl MultiTessellation for EdgeCollapse {

@@ -2,5 +2,6 @@
 
 pub mod edge_collapse;
 pub mod live;
+mod slot_table;
 
 pub use edge_collapse::EdgeCollapse;

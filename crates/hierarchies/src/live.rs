@@ -1,24 +1,41 @@
-//! The buffers of a live triangle mesh, as a renderer and an exporter want them. Every surface model's
-//! front mesh holds one, so that nothing downstream knows the model.
+//! The buffers of a live triangle mesh, as a renderer and an exporter want them, and the slots in them. Every surface
+//! model's front mesh holds one, so that nothing downstream knows the model.
 
 use glam::Vec3;
 use meshfront_mesh::{TriangleMesh, VertexColumns, VertexId};
 
+/// What a renderer sees of a vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VertexLook {
+    /// Mesh space.
+    pub position: Vec3,
+    /// Unit vector times 32767, and 0.
+    pub normal: [i16; 4],
+    /// `Some` for all vertices of a mesh, or for none.
+    pub color: Option<[u8; 4]>,
+    /// How many updates lie between it and the base mesh, up to 255.
+    pub level: u8,
+}
+
 /// Vertex and index arrays with slots that are reused: after a change only the touched slots need uploading.
+///
+/// Slots are given out as a stack gives them: removing in the reverse order of adding leaves everything as it was.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriangleBuffers {
-    /// A point per vertex slot, mesh space. Free slots hold stale points.
+    /// A point per vertex slot, mesh space. Free slots hold the origin.
     pub positions: Vec<Vec3>,
     /// Unit normal per vertex slot, each component times 32767; the fourth is 0.
     pub normals: Vec<[i16; 4]>,
     /// Colour per vertex slot; empty where the source had none.
     pub colors: Vec<[u8; 4]>,
-    /// How many splits lie between a vertex and the base mesh, up to 255.
+    /// How many updates lie between a vertex and the base mesh, up to 255.
     pub levels: Vec<u8>,
     /// Vertex slots per triangle slot. Free slots hold `[0, 0, 0]`: a renderer may draw the whole array.
     pub triangles: Vec<[u32; 3]>,
     /// Slots written since the last `clear_changes`, with repetitions.
     pub changes: Changes,
+    free_vertices: Vec<u32>,
+    free_triangles: Vec<u32>,
 }
 
 /// Slots whose content changed.
@@ -30,7 +47,114 @@ pub struct Changes {
     pub triangles: Vec<u32>,
 }
 
+/// Pushes; capacity grows by an eighth, not by doubling, so that memory stays close to size.
+#[inline]
+pub(crate) fn grow<T>(column: &mut Vec<T>, value: T) {
+    if column.len() == column.capacity() {
+        column.reserve_exact((column.len() / 8).max(64));
+    }
+    column.push(value);
+}
+
+/// Sets the value of a slot, which may be the first one beyond the end.
+#[inline]
+pub(crate) fn put<T>(column: &mut Vec<T>, slot: u32, value: T) {
+    match column.get_mut(slot as usize) {
+        Some(place) => *place = value,
+        None => grow(column, value),
+    }
+}
+
+/// A unit vector as renderers want it.
+#[inline]
+pub(crate) fn snorm16(normal: Vec3) -> [i16; 4] {
+    // Rounds to nearest without a call, as `round` is one on the oldest x86-64.
+    let [x, y, z] = (normal * 32767.0).to_array().map(|c| (c + 0.5f32.copysign(c)) as i16);
+    [x, y, z, 0]
+}
+
 impl TriangleBuffers {
+    /// Number of live triangles.
+    pub fn live_triangles(&self) -> usize {
+        self.triangles.len() - self.free_triangles.len()
+    }
+    /// Number of live vertices.
+    pub fn live_vertices(&self) -> usize {
+        self.positions.len() - self.free_vertices.len()
+    }
+
+    /// Gives a vertex a slot.
+    #[inline]
+    pub(crate) fn add_vertex(&mut self, look: &VertexLook) -> u32 {
+        let slot = self.free_vertices.pop().unwrap_or_else(|| {
+            grow(&mut self.positions, Vec3::ZERO);
+            grow(&mut self.normals, [0; 4]);
+            if look.color.is_some() {
+                grow(&mut self.colors, [0; 4]);
+            }
+            grow(&mut self.levels, 0);
+            self.positions.len() as u32 - 1
+        });
+        self.set_vertex(slot, look);
+        slot
+    }
+    /// Changes what is in a vertex slot.
+    #[inline]
+    pub(crate) fn set_vertex(&mut self, slot: u32, look: &VertexLook) {
+        let s = slot as usize;
+        (self.positions[s], self.normals[s], self.levels[s]) = (look.position, look.normal, look.level);
+        if let Some(color) = look.color {
+            self.colors[s] = color;
+        }
+        self.changes.vertices.push(slot);
+    }
+    /// Takes a vertex slot back.
+    #[inline]
+    pub(crate) fn remove_vertex(&mut self, slot: u32) {
+        let s = slot as usize;
+        (self.positions[s], self.normals[s], self.levels[s]) = (Vec3::ZERO, [0; 4], 0);
+        if let Some(color) = self.colors.get_mut(s) {
+            *color = [0; 4];
+        }
+        grow(&mut self.free_vertices, slot);
+    }
+    /// Gives a triangle a slot.
+    #[inline]
+    pub(crate) fn add_triangle(&mut self, corners: [u32; 3]) -> u32 {
+        let slot = self.free_triangles.pop().unwrap_or_else(|| {
+            grow(&mut self.triangles, [0; 3]);
+            self.triangles.len() as u32 - 1
+        });
+        self.set_triangle(slot, corners);
+        slot
+    }
+    /// Changes the corners of a triangle.
+    #[inline]
+    pub(crate) fn set_triangle(&mut self, slot: u32, corners: [u32; 3]) {
+        self.triangles[slot as usize] = corners;
+        self.changes.triangles.push(slot);
+    }
+    /// Takes a triangle slot back.
+    #[inline]
+    pub(crate) fn remove_triangle(&mut self, slot: u32) {
+        self.set_triangle(slot, [0; 3]);
+        grow(&mut self.free_triangles, slot);
+    }
+
+    /// Memory held, bytes: capacities, not sizes; without the list of changes, which lives for one frame.
+    pub fn memory_bytes(&self) -> usize {
+        fn of<T>(v: &Vec<T>) -> usize {
+            v.capacity() * size_of::<T>()
+        }
+        of(&self.positions)
+            + of(&self.normals)
+            + of(&self.colors)
+            + of(&self.levels)
+            + of(&self.triangles)
+            + of(&self.free_vertices)
+            + of(&self.free_triangles)
+    }
+
     /// Forgets which slots changed: call it once they are uploaded.
     pub fn clear_changes(&mut self) {
         self.changes.vertices.clear();

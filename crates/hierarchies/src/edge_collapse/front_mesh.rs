@@ -4,9 +4,9 @@
 //! what `Columns::sides` speaks of, and it makes `coarsen` the exact inverse of `refine`. Highest numbers come first:
 //! they are the latest, so that what comes and goes does so near the head.
 
-use super::slot_table::SlotTable;
-use super::{Columns, EdgeCollapse, Oct, VertexLook};
-use crate::live::TriangleBuffers;
+use super::{Columns, EdgeCollapse};
+use crate::live::{TriangleBuffers, VertexLook, put};
+use crate::slot_table::SlotTable;
 use arrayvec::ArrayVec;
 use meshfront_mesh::{TriangleMesh, VertexId};
 use meshfront_refine::UpdateId;
@@ -29,8 +29,6 @@ pub struct FrontMesh {
     links: Vec<Links>,
     /// Slot of a live vertex, by its id.
     slots: SlotTable,
-    free_vertices: Vec<u32>,
-    free_triangles: Vec<u32>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -109,11 +107,9 @@ impl FrontMesh {
             vertices: vec![],
             links: vec![],
             slots: SlotTable::new(h.base_vertices() as usize + 2 * h.splits.len()),
-            free_vertices: vec![],
-            free_triangles: vec![],
         };
         for v in 0..mesh.positions.len() as u32 {
-            front.new_vertex(VertexId(v), &h.vertex_look(VertexId(v)), 0);
+            front.new_vertex(VertexId(v), &h.vertex_look(VertexId(v), 0));
         }
         for t in &mesh.triangles {
             let slot = front.new_triangle(front.links.len() as u32, t.map(|v| v.0));
@@ -126,11 +122,11 @@ impl FrontMesh {
 
     /// Number of live triangles.
     pub fn triangles(&self) -> usize {
-        self.links.len() - self.free_triangles.len()
+        self.buffers.live_triangles()
     }
     /// Number of live vertices.
     pub fn vertices(&self) -> usize {
-        self.vertices.len() - self.free_vertices.len()
+        self.buffers.live_vertices()
     }
     /// A compact copy of the live mesh.
     pub fn to_mesh(&self) -> TriangleMesh {
@@ -141,17 +137,7 @@ impl FrontMesh {
         fn of<T>(v: &Vec<T>) -> usize {
             v.capacity() * size_of::<T>()
         }
-        let b = &self.buffers;
-        of(&b.positions)
-            + of(&b.normals)
-            + of(&b.colors)
-            + of(&b.levels)
-            + of(&b.triangles)
-            + of(&self.vertices)
-            + of(&self.links)
-            + self.slots.memory_bytes()
-            + of(&self.free_vertices)
-            + of(&self.free_triangles)
+        self.buffers.memory_bytes() + of(&self.vertices) + of(&self.links) + self.slots.memory_bytes()
     }
     /// Number and corners of each live triangle, in slot order: the same triangle has the same number in all fronts.
     pub fn numbered_triangles(&self) -> impl Iterator<Item = (u32, [VertexId; 3])> {
@@ -161,7 +147,7 @@ impl FrontMesh {
 
     #[inline]
     pub(super) fn slot(&self, v: VertexId) -> Option<u32> {
-        self.slots.get(v)
+        self.slots.get(v.ix())
     }
     pub(super) fn id(&self, slot: u32) -> VertexId {
         self.vertices[slot as usize].id
@@ -203,9 +189,10 @@ impl FrontMesh {
 
         let (u, v) = (h.child(m, 0), h.child(m, 1));
         let level = split.level.saturating_add(1);
-        self.slots.clear(split.vertex);
-        self.settle(slot_u, u, &h.vertex_look(u), level);
-        let slot_v = self.new_vertex(v, &h.vertex_look(v), level);
+        self.slots.clear(split.vertex.ix());
+        self.settle(slot_u, u);
+        self.buffers.set_vertex(slot_u, &h.vertex_look(u, level));
+        let slot_v = self.new_vertex(v, &h.vertex_look(v, level));
 
         // The star's list becomes two; both stay in order.
         let (mut end_u, mut end_v) = (NONE, NONE);
@@ -214,8 +201,7 @@ impl FrontMesh {
             if split.sides >> i & 1 == 0 {
                 self.link(slot_u, &mut end_u, corner);
             } else {
-                self.buffers.triangles[corner as usize >> 2][corner as usize & 3] = slot_v;
-                self.buffers.changes.triangles.push(corner >> 2);
+                self.set_corner(corner, slot_v);
                 self.link(slot_v, &mut end_v, corner);
             }
         }
@@ -252,7 +238,8 @@ impl FrontMesh {
             for k in 0..3u32 {
                 self.unlink(self.buffers.triangles[t as usize][k as usize], t << 2 | k);
             }
-            self.free_triangle(t);
+            self.links[t as usize] = Links { next: [NONE; 3], number: 0 };
+            self.buffers.remove_triangle(t);
         }
 
         // Two lists become one.
@@ -265,16 +252,18 @@ impl FrontMesh {
             let corner = *from;
             *from = self.links[corner as usize >> 2].next[corner as usize & 3];
             if from_v {
-                self.buffers.triangles[corner as usize >> 2][corner as usize & 3] = slot_u;
-                self.buffers.changes.triangles.push(corner >> 2);
+                self.set_corner(corner, slot_u);
             }
             self.link(slot_u, &mut end, corner);
         }
         self.terminate(end);
 
-        self.free_vertex(slot_v);
-        self.slots.clear(h.child(m, 0));
-        self.settle(slot_u, split.vertex, &h.vertex_look(split.vertex), split.level);
+        self.slots.clear(h.child(m, 1).ix());
+        self.vertices[slot_v as usize] = VertexNode { id: VertexId(0), first: NONE };
+        self.buffers.remove_vertex(slot_v);
+        self.slots.clear(h.child(m, 0).ix());
+        self.settle(slot_u, split.vertex);
+        self.buffers.set_vertex(slot_u, &h.vertex_look(split.vertex, split.level));
     }
 
     fn number_of(&self, corner: Corner) -> u32 {
@@ -332,77 +321,26 @@ impl FrontMesh {
 
     // Slots.
 
-    fn new_vertex(&mut self, id: VertexId, look: &VertexLook, level: u8) -> u32 {
-        let slot = self.free_vertices.pop().unwrap_or_else(|| {
-            let b = &mut self.buffers;
-            grow(&mut b.positions, Default::default());
-            grow(&mut b.normals, [0; 4]);
-            if look.color.is_some() {
-                grow(&mut b.colors, [0; 4]);
-            }
-            grow(&mut b.levels, 0);
-            grow(&mut self.vertices, VertexNode { id, first: NONE });
-            self.vertices.len() as u32 - 1
-        });
-        self.settle(slot, id, look, level);
+    fn new_vertex(&mut self, id: VertexId, look: &VertexLook) -> u32 {
+        let slot = self.buffers.add_vertex(look);
+        put(&mut self.vertices, slot, VertexNode { id, first: NONE });
+        self.slots.set(id.ix(), slot);
         slot
-    }
-    fn free_vertex(&mut self, slot: u32) {
-        let b = &mut self.buffers;
-        b.positions[slot as usize] = Default::default();
-        b.normals[slot as usize] = [0; 4];
-        b.levels[slot as usize] = 0;
-        if let Some(c) = b.colors.get_mut(slot as usize) {
-            *c = [0; 4];
-        }
-        self.slots.clear(self.id(slot));
-        self.vertices[slot as usize] = VertexNode { id: VertexId(0), first: NONE };
-        grow(&mut self.free_vertices, slot);
     }
     /// From here on a vertex lives in a slot, whose list of corners stays.
     #[inline]
-    fn settle(&mut self, slot: u32, id: VertexId, look: &VertexLook, level: u8) {
-        self.slots.set(id, slot);
+    fn settle(&mut self, slot: u32, id: VertexId) {
+        self.slots.set(id.ix(), slot);
         self.vertices[slot as usize].id = id;
-        let b = &mut self.buffers;
-        b.positions[slot as usize] = look.position;
-        b.normals[slot as usize] = snorm16(look.normal);
-        b.levels[slot as usize] = level;
-        if let Some(c) = look.color {
-            b.colors[slot as usize] = c;
-        }
-        b.changes.vertices.push(slot);
+    }
+    #[inline]
+    fn set_corner(&mut self, corner: Corner, vertex: u32) {
+        self.buffers.triangles[corner as usize >> 2][corner as usize & 3] = vertex;
+        self.buffers.changes.triangles.push(corner >> 2);
     }
     fn new_triangle(&mut self, number: u32, corners: [u32; 3]) -> u32 {
-        let slot = self.free_triangles.pop().unwrap_or_else(|| {
-            grow(&mut self.buffers.triangles, [0; 3]);
-            grow(&mut self.links, Links { next: [NONE; 3], number });
-            self.links.len() as u32 - 1
-        });
-        self.buffers.triangles[slot as usize] = corners;
-        self.links[slot as usize] = Links { next: [NONE; 3], number };
-        self.buffers.changes.triangles.push(slot);
+        let slot = self.buffers.add_triangle(corners);
+        put(&mut self.links, slot, Links { next: [NONE; 3], number });
         slot
     }
-    fn free_triangle(&mut self, slot: u32) {
-        self.buffers.triangles[slot as usize] = [0; 3];
-        self.buffers.changes.triangles.push(slot);
-        self.links[slot as usize] = Links { next: [NONE; 3], number: 0 };
-        grow(&mut self.free_triangles, slot);
-    }
-}
-
-fn snorm16(normal: Oct) -> [i16; 4] {
-    // Rounds to nearest without a call, as `round` is one on the oldest x86-64.
-    let [x, y, z] = (normal.decode() * 32767.0).to_array().map(|c| (c + 0.5f32.copysign(c)) as i16);
-    [x, y, z, 0]
-}
-
-/// Pushes; capacity grows by an eighth, not by doubling, so that memory stays close to size.
-#[inline]
-pub(super) fn grow<T>(column: &mut Vec<T>, value: T) {
-    if column.len() == column.capacity() {
-        column.reserve_exact((column.len() / 8).max(64));
-    }
-    column.push(value);
 }

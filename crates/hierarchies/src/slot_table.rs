@@ -1,21 +1,21 @@
-//! Where each live vertex is: a table over all vertex ids, of which only the pages in use exist.
+//! Where what is live is: a table over all ids that a hierarchy has, of which only the pages in use exist.
 
-use meshfront_mesh::VertexId;
+use crate::live::grow;
 
 const NONE: u32 = u32::MAX;
-/// Ids on a page: one cache line. Neighbours on a page split at the same scale and in the same place, so most
-/// pages in use are well filled.
+/// Keys on a page: one cache line. What is near in number is near in place and size, so most pages in use are well
+/// filled.
 const PER_PAGE: usize = 16;
 
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct Page([u32; PER_PAGE]);
 
-/// A map from vertex id to slot. A look, a change and a removal cost one cache line, and a second one in a directory of
-/// four bytes per page of ids.
+/// A map from dense keys to slots. A look, a change and a removal cost one cache line, and a second one in a directory
+/// of four bytes per page of keys.
 #[derive(Clone, Debug)]
 pub(super) struct SlotTable {
-    /// Per page of ids: where it is in `pages`.
+    /// Per page of keys: one more than where it is in `pages`, so that a new directory is untouched zeros.
     directory: Vec<u32>,
     pages: Vec<Page>,
     /// The first free page; each names the next one in its first entry.
@@ -23,44 +23,38 @@ pub(super) struct SlotTable {
 }
 
 impl SlotTable {
-    pub fn new(ids: usize) -> SlotTable {
-        SlotTable { directory: vec![NONE; ids.div_ceil(PER_PAGE)], pages: vec![], free: NONE }
+    /// For keys below `keys`.
+    pub fn new(keys: usize) -> SlotTable {
+        SlotTable { directory: vec![0; keys.div_ceil(PER_PAGE)], pages: vec![], free: NONE }
     }
 
     #[inline]
-    fn split(v: VertexId) -> (usize, usize) {
-        (v.ix() / PER_PAGE, v.ix() % PER_PAGE)
+    pub fn get(&self, key: usize) -> Option<u32> {
+        let index = self.directory.get(key / PER_PAGE)?.wrapping_sub(1);
+        let page = self.pages.get(index as usize)?;
+        Some(page.0[key % PER_PAGE]).filter(|&slot| slot != NONE)
     }
 
     #[inline]
-    pub fn get(&self, v: VertexId) -> Option<u32> {
-        let (page, at) = SlotTable::split(v);
-        let page = self.pages.get(*self.directory.get(page)? as usize)?;
-        Some(page.0[at]).filter(|&slot| slot != NONE)
-    }
-
-    #[inline]
-    pub fn set(&mut self, v: VertexId, slot: u32) {
-        let (page, at) = SlotTable::split(v);
-        let mut index = self.directory[page];
-        if index == NONE {
-            index = self.new_page();
-            self.directory[page] = index;
+    pub fn set(&mut self, key: usize, slot: u32) {
+        let mut index = self.directory[key / PER_PAGE];
+        if index == 0 {
+            index = self.new_page() + 1;
+            self.directory[key / PER_PAGE] = index;
         }
-        self.pages[index as usize].0[at] = slot;
+        self.pages[index as usize - 1].0[key % PER_PAGE] = slot;
     }
 
-    /// Forgets a vertex that is in the table.
+    /// Forgets a key that is in the table.
     #[inline]
-    pub fn clear(&mut self, v: VertexId) {
-        let (page, at) = SlotTable::split(v);
-        let index = self.directory[page];
+    pub fn clear(&mut self, key: usize) {
+        let index = self.directory[key / PER_PAGE] - 1;
         let entries = &mut self.pages[index as usize].0;
-        entries[at] = NONE;
+        entries[key % PER_PAGE] = NONE;
         if *entries == [NONE; PER_PAGE] {
             entries[0] = self.free;
             self.free = index;
-            self.directory[page] = NONE;
+            self.directory[key / PER_PAGE] = 0;
         }
     }
 
@@ -68,7 +62,7 @@ impl SlotTable {
         let empty = Page([NONE; PER_PAGE]);
         match self.free {
             NONE => {
-                super::front_mesh::grow(&mut self.pages, empty);
+                grow(&mut self.pages, empty);
                 self.pages.len() as u32 - 1
             }
             index => {
@@ -100,25 +94,25 @@ mod tests {
             (seed % below) as u32
         };
         for round in 0..20_000u32 {
-            let v = VertexId(random(1000));
+            let v = random(1000) as usize;
             if map.remove(&v).is_some() {
                 table.clear(v);
             } else if map.len() < 100 || round % 4000 > 2000 {
                 table.set(v, round);
                 map.insert(v, round);
             }
-            let probe = VertexId(random(1010));
+            let probe = random(1010) as usize;
             assert_eq!(table.get(probe), map.get(&probe).copied());
         }
         for v in map.into_keys() {
             table.clear(v);
         }
-        assert!(table.directory.iter().all(|&page| page == NONE));
+        assert!(table.directory.iter().all(|&page| page == 0));
         let pages = table.pages.len();
         for v in 0..1000 {
-            table.set(VertexId(v), v);
+            table.set(v, v as u32);
         }
         assert!(pages > 60 && table.pages.len() == 1000usize.div_ceil(PER_PAGE));
-        assert!((0..1000).all(|v| table.get(VertexId(v)) == Some(v)));
+        assert!((0..1000).all(|v| table.get(v) == Some(v as u32)));
     }
 }
