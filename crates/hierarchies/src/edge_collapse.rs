@@ -17,7 +17,7 @@
 //! [`Columns`] is what is stored; [`EdgeCollapse::new`] validates it by replaying all splits, and
 //! derives what follows from it: needs, children, bounding spheres, normal cones, vertex normals.
 
-use crate::live::{VertexLook, snorm16};
+use crate::live::{Most, VertexLook, snorm16};
 use glam::Vec3;
 use meshfront_mesh::{TriangleMesh, VertexColumns, VertexId};
 use meshfront_refine::{Footprint, MultiTessellation, UpdateId};
@@ -60,6 +60,8 @@ pub struct EdgeCollapse {
     roots: Vec<UpdateId>,
     floor_error: f32,
     source: SourceCounts,
+    /// Of the front with everything applied.
+    most: Most,
 }
 
 /// What applying an update reads, in half a cache line.

@@ -36,6 +36,14 @@ pub struct TriangleBuffers {
     pub changes: Changes,
     free_vertices: Vec<u32>,
     free_triangles: Vec<u32>,
+    most: Most,
+}
+
+/// The most vertices and triangles that a front of a hierarchy can have: columns need never be longer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Most {
+    pub vertices: usize,
+    pub triangles: usize,
 }
 
 /// Slots whose content changed.
@@ -47,21 +55,23 @@ pub struct Changes {
     pub triangles: Vec<u32>,
 }
 
-/// Pushes; capacity grows by an eighth, not by doubling, so that memory stays close to size.
+/// Pushes; capacity grows by a quarter, not by doubling, and not beyond what is ever needed, so that memory stays close
+/// to size. Smaller steps would make copying what costs most in a front that grows fast.
 #[inline]
-pub(crate) fn grow<T>(column: &mut Vec<T>, value: T) {
+pub(crate) fn grow<T>(column: &mut Vec<T>, value: T, most: usize) {
     if column.len() == column.capacity() {
-        column.reserve_exact((column.len() / 8).max(64));
+        let enough = most.saturating_sub(column.len()).max(1);
+        column.reserve_exact((column.len() / 4).max(64).min(enough));
     }
     column.push(value);
 }
 
 /// Sets the value of a slot, which may be the first one beyond the end.
 #[inline]
-pub(crate) fn put<T>(column: &mut Vec<T>, slot: u32, value: T) {
+pub(crate) fn put<T>(column: &mut Vec<T>, slot: u32, value: T, most: usize) {
     match column.get_mut(slot as usize) {
         Some(place) => *place = value,
-        None => grow(column, value),
+        None => grow(column, value, most),
     }
 }
 
@@ -74,6 +84,13 @@ pub(crate) fn snorm16(normal: Vec3) -> [i16; 4] {
 }
 
 impl TriangleBuffers {
+    /// Empty ones, for a hierarchy of this size.
+    pub(crate) fn for_at_most(most: Most) -> TriangleBuffers {
+        TriangleBuffers { most, ..TriangleBuffers::default() }
+    }
+    pub(crate) fn most(&self) -> Most {
+        self.most
+    }
     /// Number of live triangles.
     pub fn live_triangles(&self) -> usize {
         self.triangles.len() - self.free_triangles.len()
@@ -87,12 +104,13 @@ impl TriangleBuffers {
     #[inline]
     pub(crate) fn add_vertex(&mut self, look: &VertexLook) -> u32 {
         let slot = self.free_vertices.pop().unwrap_or_else(|| {
-            grow(&mut self.positions, Vec3::ZERO);
-            grow(&mut self.normals, [0; 4]);
+            let most = self.most.vertices;
+            grow(&mut self.positions, Vec3::ZERO, most);
+            grow(&mut self.normals, [0; 4], most);
             if look.color.is_some() {
-                grow(&mut self.colors, [0; 4]);
+                grow(&mut self.colors, [0; 4], most);
             }
-            grow(&mut self.levels, 0);
+            grow(&mut self.levels, 0, most);
             self.positions.len() as u32 - 1
         });
         self.set_vertex(slot, look);
@@ -116,13 +134,13 @@ impl TriangleBuffers {
         if let Some(color) = self.colors.get_mut(s) {
             *color = [0; 4];
         }
-        grow(&mut self.free_vertices, slot);
+        grow(&mut self.free_vertices, slot, self.most.vertices);
     }
     /// Gives a triangle a slot.
     #[inline]
     pub(crate) fn add_triangle(&mut self, corners: [u32; 3]) -> u32 {
         let slot = self.free_triangles.pop().unwrap_or_else(|| {
-            grow(&mut self.triangles, [0; 3]);
+            grow(&mut self.triangles, [0; 3], self.most.triangles);
             self.triangles.len() as u32 - 1
         });
         self.set_triangle(slot, corners);
@@ -138,7 +156,7 @@ impl TriangleBuffers {
     #[inline]
     pub(crate) fn remove_triangle(&mut self, slot: u32) {
         self.set_triangle(slot, [0; 3]);
-        grow(&mut self.free_triangles, slot);
+        grow(&mut self.free_triangles, slot, self.most.triangles);
     }
 
     /// Memory held, bytes: capacities, not sizes; without the list of changes, which lives for one frame.

@@ -62,7 +62,7 @@ impl SlotTable {
         let empty = Page([NONE; PER_PAGE]);
         match self.free {
             NONE => {
-                grow(&mut self.pages, empty);
+                grow(&mut self.pages, empty, self.directory.len());
                 self.pages.len() as u32 - 1
             }
             index => {

@@ -4,6 +4,7 @@ use super::columns::{Columns, InvalidColumns, Oct};
 use super::footprint::{Frame, PackedFootprint, angle_between, half_angle};
 use super::front_mesh::{Added, AddedList, FrontMesh, MAX_ADDED, Star, StarCorner, gap_triangle, gaps};
 use super::{EdgeCollapse, Node, Places, Split, UpdateLists};
+use crate::live::Most;
 use arrayvec::ArrayVec;
 use glam::Vec3;
 use meshfront_mesh::Bounds;
@@ -79,6 +80,7 @@ pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
         front.buffers.clear_changes();
         front.refine(&h, id);
     }
+    h.most = Most { vertices: front.vertices(), triangles: front.triangles() };
     let children = reversed(&needs);
     h.roots = (0..updates as u32).map(UpdateId).filter(|m| needs.of(m.ix()).is_empty()).collect();
     for (m, node) in h.nodes.iter_mut().enumerate() {
@@ -222,6 +224,8 @@ fn undecorated(c: Columns) -> Result<EdgeCollapse, InvalidColumns> {
         roots: vec![],
         floor_error: c.floor_error,
         source: c.source,
+        // Known when all are applied.
+        most: Most { vertices: usize::MAX, triangles: usize::MAX },
     })
 }
 

@@ -103,7 +103,7 @@ impl FrontMesh {
     pub(super) fn base(h: &EdgeCollapse) -> FrontMesh {
         let mesh = &h.base;
         let mut front = FrontMesh {
-            buffers: TriangleBuffers::default(),
+            buffers: TriangleBuffers::for_at_most(h.most),
             vertices: vec![],
             links: vec![],
             slots: SlotTable::new(h.base_vertices() as usize + 2 * h.splits.len()),
@@ -323,7 +323,7 @@ impl FrontMesh {
 
     fn new_vertex(&mut self, id: VertexId, look: &VertexLook) -> u32 {
         let slot = self.buffers.add_vertex(look);
-        put(&mut self.vertices, slot, VertexNode { id, first: NONE });
+        put(&mut self.vertices, slot, VertexNode { id, first: NONE }, self.buffers.most().vertices);
         self.slots.set(id.ix(), slot);
         slot
     }
@@ -340,7 +340,7 @@ impl FrontMesh {
     }
     fn new_triangle(&mut self, number: u32, corners: [u32; 3]) -> u32 {
         let slot = self.buffers.add_triangle(corners);
-        put(&mut self.links, slot, Links { next: [NONE; 3], number });
+        put(&mut self.links, slot, Links { next: [NONE; 3], number }, self.buffers.most().triangles);
         slot
     }
 }
