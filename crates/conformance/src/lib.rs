@@ -18,6 +18,7 @@ use meshfront_refine::MultiTessellation;
 
 mod edge_collapse;
 pub mod random;
+mod right_triangles;
 pub mod source;
 pub mod suite;
 pub mod surface;

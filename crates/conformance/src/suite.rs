@@ -31,6 +31,8 @@ pub fn check<H: Inspect>(h: &H, source: &Source, snap: f32, seed: u64) {
 
 /// What each update replaces, as seen when all are applied in order of id.
 pub struct Updates {
+    /// The updates, ascending.
+    pub all: Vec<UpdateId>,
     /// M⁻ and M⁺ of each update, ascending.
     pub cells: Vec<[Vec<Cell>; 2]>,
     /// Which update makes a cell; those of the base mesh are not in it.
@@ -48,9 +50,15 @@ impl Updates {
     pub fn watch<H: Inspect>(h: &H) -> Updates {
         let mut mesh = h.base();
         let base = Surface::of::<H>(&mesh);
-        let mut updates =
-            Updates { cells: vec![], maker: HashMap::new(), places: vec![], base: base.clone(), full: base };
-        for m in (0..h.len() as u32).map(UpdateId) {
+        let mut updates = Updates {
+            all: h.updates().collect(),
+            cells: vec![[vec![], vec![]]; h.len()],
+            maker: HashMap::new(),
+            places: vec![vec![]; h.len()],
+            base: base.clone(),
+            full: base,
+        };
+        for m in updates.all.clone() {
             h.needs(&mesh, m, |n| assert!(n < m, "{m:?} needs {n:?}, which has a greater id"));
             let cells = h.cells(&mesh);
             h.refine(&mut mesh, m);
@@ -63,8 +71,8 @@ impl Updates {
                 assert_eq!(updates.maker.insert(cell, m), None, "{cell:?} is made by two updates");
             }
             let corners = minus.iter().map(|&c| (&updates.full, c)).chain(plus.iter().map(|&c| (&after, c)));
-            updates.places.push(corners.flat_map(|(surface, cell)| surface.corners(cell)).collect());
-            updates.cells.push([minus, plus]);
+            updates.places[m.ix()] = corners.flat_map(|(surface, cell)| surface.corners(cell)).collect();
+            updates.cells[m.ix()] = [minus, plus];
             updates.full = after;
         }
         updates
@@ -73,7 +81,7 @@ impl Updates {
     /// An update's sphere holds its cells; its sphere, cone and error hold those of every update that takes away a
     /// cell that it made; its cone holds the normals of the full surface below it.
     pub fn footprints_nest<H: Inspect>(&self, h: &H) {
-        for m in (0..h.len() as u32).map(UpdateId) {
+        for &m in &self.all {
             let f = h.footprint(m);
             for p in &self.places[m.ix()] {
                 assert!(p.distance(f.center) <= f.radius * (1.0 + 1e-5), "{m:?}: a cell leaves the sphere");
@@ -130,7 +138,7 @@ fn holds(outer: &Footprint, inner: &Footprint) -> bool {
 
 /// The greatest error of the updates that are not applied.
 pub fn error_in_force<H: Inspect>(h: &H, applied: impl Fn(UpdateId) -> bool) -> f32 {
-    let open = (0..h.len() as u32).map(UpdateId).filter(|&m| !applied(m));
+    let open = h.updates().filter(|&m| !applied(m));
     open.map(|m| h.footprint(m).error).fold(h.floor_error(), f32::max)
 }
 
@@ -217,11 +225,9 @@ pub fn wander<H: Inspect>(h: &H, updates: &Updates, source: &Source, seed: u64) 
         h.needed_by(mesh, m, |n| leaf &= !applied[n.ix()]);
         leaf
     };
-    for round in 0..h.len().max(1) {
-        if h.is_empty() {
-            break;
-        }
-        let m = UpdateId(random.below(h.len()) as u32);
+    let all = &updates.all;
+    for round in 0..all.len() {
+        let m = all[random.below(all.len())];
         if leaf(&mesh, &applied, m) {
             updates.step(h, &mut mesh, &mut surface, Step::Coarsen(m));
             applied[m.ix()] = false;
@@ -250,18 +256,18 @@ pub fn wander<H: Inspect>(h: &H, updates: &Updates, source: &Source, seed: u64) 
                 }
             }
         }
-        if round % (h.len() / 4 + 1) == 3 {
+        if round % (all.len() / 4 + 1) == 3 {
             promises(&surface, source, error_in_force(h, |m| applied[m.ix()]));
             // Only what is applied counts, not the way that led here.
             let mut fresh = h.base();
-            (0..h.len()).filter(|&m| applied[m]).for_each(|m| h.refine(&mut fresh, UpdateId(m as u32)));
+            all.iter().filter(|m| applied[m.ix()]).for_each(|&m| h.refine(&mut fresh, m));
             assert_eq!(Surface::of::<H>(&fresh), surface, "the same set of updates gives the same mesh");
         }
     }
     while applied.contains(&true) {
-        let m = UpdateId(random.below(h.len()) as u32);
-        let leaves = (m.ix()..h.len()).chain(0..m.ix()).map(|m| UpdateId(m as u32));
-        let m = leaves.into_iter().find(|&m| leaf(&mesh, &applied, m)).expect("a closed set has a leaf");
+        let first = random.below(all.len());
+        let mut leaves = all[first..].iter().chain(&all[..first]).copied();
+        let m = leaves.find(|&m| leaf(&mesh, &applied, m)).expect("a closed set has a leaf");
         updates.step(h, &mut mesh, &mut surface, Step::Coarsen(m));
         applied[m.ix()] = false;
     }
@@ -291,7 +297,7 @@ pub fn tolerances<H: Inspect>(h: &H, source: &Source) {
         let promised = error_in_force(h, |m| front.is_applied(m));
         assert!(promised <= tolerance.max(h.floor_error()));
         let measured = promises(&Surface::of::<H>(front.mesh()), source, promised);
-        if front.applied_count() < h.len() {
+        if front.applied_count() < h.updates().count() {
             tightness.push(measured / promised);
         }
     }
@@ -400,11 +406,11 @@ pub fn follow<H: Inspect>(h: &H, source: &Source, kind: usize, seed: u64) {
         let surface = Surface::of::<H>(front.mesh());
         assert!(outcome.settled);
         assert_eq!(outcome.cells, surface.cells.len());
-        for m in (0..h.len() as u32).map(UpdateId).filter(|&m| c.pixels(&h.footprint(m)) > request.tolerance) {
+        for m in h.updates().filter(|&m| c.pixels(&h.footprint(m)) > request.tolerance) {
             assert!(front.is_applied(m), "wanted and not applied: {m:?}, frame {frame}");
         }
         oracle.adapt(h, &*c, request.tolerance);
-        for m in (0..h.len() as u32).map(UpdateId) {
+        for m in h.updates() {
             assert_eq!(front.is_applied(m), oracle.applied.contains(&m), "{m:?} and the oracle, frame {frame}");
         }
         assert_eq!(surface, Surface::of::<H>(&oracle.mesh), "the oracle's mesh, frame {frame}");

@@ -2,6 +2,9 @@
 
 pub mod edge_collapse;
 pub mod live;
+mod parallel;
+pub mod right_triangles;
 mod slot_table;
 
 pub use edge_collapse::EdgeCollapse;
+pub use right_triangles::RightTriangles;

@@ -1,5 +1,6 @@
 //! Heights over a regular grid: terrain as surveyors, satellites and image editors store it.
 
+use crate::{TriangleMesh, VertexId};
 use glam::DVec2;
 
 /// Samples of a height field, with where they are and what they are measured in.
@@ -90,6 +91,41 @@ impl HeightField {
             None => 1.0,
         };
         self.spacing * self.horizontal.metres() * DVec2::new(along_parallel, 1.0)
+    }
+
+    /// The surface over all samples, in mesh space: x metres to the east of the south-western sample, y to the north, z
+    /// the height in metres times the exaggeration. Each cell of four samples is cut through those of its corners whose
+    /// column and row from the south add up to an even number; triangles with a missing corner are left out.
+    pub fn to_mesh(&self, exaggeration: f32) -> TriangleMesh {
+        let (columns, rows) = (self.columns, self.rows);
+        let spacing = self.spacing_metres();
+        let scale = self.vertical.metres() * exaggeration as f64;
+        let mut vertex = vec![u32::MAX; self.heights.len()];
+        let mut mesh = TriangleMesh::default();
+        let mut push = |corners: [[u32; 2]; 3]| {
+            if corners.iter().any(|&[x, y]| self.height(x, rows - 1 - y).is_nan()) {
+                return;
+            }
+            let triangle = corners.map(|[x, y]| {
+                let v = &mut vertex[(y * columns + x) as usize];
+                if *v == u32::MAX {
+                    *v = mesh.positions.len() as u32;
+                    let ground = DVec2::new(x as f64, y as f64) * spacing;
+                    let height = self.height(x, rows - 1 - y) as f64 * scale;
+                    mesh.positions.push(ground.extend(height).as_vec3());
+                }
+                VertexId(*v)
+            });
+            mesh.triangles.push(triangle);
+        };
+        for y in 0..rows - 1 {
+            for x in 0..columns - 1 {
+                let [sw, se, nw, ne] = [[x, y], [x + 1, y], [x, y + 1], [x + 1, y + 1]];
+                let cut = if (x + y) % 2 == 0 { [[sw, se, ne], [sw, ne, nw]] } else { [[sw, se, nw], [se, ne, nw]] };
+                cut.into_iter().for_each(&mut push);
+            }
+        }
+        mesh
     }
 
     /// How many samples are missing.

@@ -796,8 +796,7 @@ impl Grid {
     const MOST: usize = 64;
 
     fn new<H: MultiTessellation>(h: &H) -> Grid {
-        let centers = (0..h.len() as u32).map(|m| h.footprint(UpdateId(m)).center);
-        let (min, max) = centers.fold((Vec3::MAX, Vec3::MIN), |(min, max), c| (min.min(c), max.max(c)));
+        let (min, max) = h.centers();
         let size = max - min;
         let extent = size.max_element();
         let cut = |n: f32| {

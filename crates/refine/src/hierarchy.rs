@@ -72,11 +72,22 @@ pub trait MultiTessellation {
     /// `needed_by` and `children` every update that needs `m`, whatever is applied, and neither looks at the mesh.
     const READS_MESH: bool = false;
 
-    /// Number of updates; ids are `0..len`.
+    /// Ids are `0..len`.
     fn len(&self) -> usize;
     /// Whether there is no update at all.
     fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+    /// The updates, ascending. Where ids are arithmetic some may stand for nothing: no root leads to them, and only
+    /// [`footprint`](MultiTessellation::footprint) may be asked about them, whose error is then no more than the floor.
+    fn updates(&self) -> impl Iterator<Item = UpdateId> {
+        (0..self.len() as u32).map(UpdateId)
+    }
+    /// Least and greatest corner of a box that holds the centres of all footprints. Looks at all of them, unless the
+    /// model knows better.
+    fn centers(&self) -> (Vec3, Vec3) {
+        let centers = self.updates().map(|m| self.footprint(m).center);
+        centers.fold((Vec3::MAX, Vec3::MIN), |(min, max), c| (min.min(c), max.max(c)))
     }
     /// The base mesh Γ₀, with no update applied.
     fn base(&self) -> Self::Mesh;

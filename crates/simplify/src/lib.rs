@@ -2,8 +2,10 @@
 
 pub mod edge_collapse;
 pub mod metrics;
+pub mod right_triangles;
 
 pub use edge_collapse::{EdgeCollapseOptions, edge_collapse, edge_collapse_columns};
+pub use right_triangles::{RightTrianglesOptions, right_triangles, right_triangles_columns};
 
 /// Who wants to know how far a build is, and may stop it.
 pub trait Progress: Sync {
@@ -44,6 +46,12 @@ pub enum BuildError {
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,
+    /// An exaggeration that is not a positive number.
+    #[error("{0} times too high: the exaggeration is a positive number, and 1 leaves heights as they are")]
+    Exaggeration(f32),
+    /// Heights that are no terrain.
+    #[error("{0}")]
+    Heights(#[from] meshfront_hierarchies::right_triangles::InvalidHeights),
     /// The record of collapses does not replay: a bug in the simplifier.
     #[error("internal: the recorded collapses do not replay ({0}); please report this with the mesh")]
     Replay(#[from] meshfront_hierarchies::edge_collapse::InvalidColumns),

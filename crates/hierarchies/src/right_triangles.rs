@@ -1,0 +1,345 @@
+//! Right triangles: terrain over a regular grid by bisection of longest edges (`evans2001`, `lindstrom2002`), as a
+//! Multi-Tessellation (`defloriani2002`, "Hierarchy of right triangles"): M⁻ are the one or two triangles that share a
+//! hypotenuse, M⁺ the two or four that a cut at its middle makes.
+//!
+//! ```text
+//!      M⁻             M⁺
+//!     o-----o       o-----o
+//!     | \   |       | \ / |     The middle v of the hypotenuse has the height of a
+//!     |   \ |   ⇄   |  v  |     sample. Needs and children are arithmetic: the two
+//!     |     \       | / \ |     right angles, and the middles of the four new
+//!     o-----o       o-----o     hypotenuses.
+//! ```
+//!
+//! Errors are the true vertical distance of the surface from M⁻, found by looking at every sample in it, and hold in all
+//! fronts, since a triangle is the same in all. Any grid will do: the base mesh is cut where a border or a missing
+//! sample would lie inside a triangle, so both are exact in every front, and nothing is resampled.
+//!
+//! Mesh space: x metres to the east of the south-western sample, y to the north, z up, times the exaggeration.
+
+use crate::edge_collapse::SourceCounts;
+use crate::live::Most;
+use glam::{DVec2, Vec2, Vec3};
+use meshfront_mesh::{Bounds, Unit};
+use meshfront_refine::{Footprint, MultiTessellation, NormalCone, UpdateId};
+use std::collections::HashMap;
+
+mod base;
+mod derive;
+mod front_mesh;
+mod lattice;
+mod record;
+
+pub use front_mesh::FrontMesh;
+
+use lattice::Lattice;
+use record::Record;
+
+/// What is stored of a terrain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Columns {
+    /// Samples from west to east, 2 to 65537.
+    pub columns: u32,
+    /// Samples from south to north, 2 to 65537; at most 2²⁹ samples together.
+    pub rows: u32,
+    /// Mesh units between neighbouring columns and rows.
+    pub spacing: DVec2,
+    /// Heights in mesh units, row by row from the south, each from the west. NaN is missing: there is no surface.
+    pub heights: Vec<f32>,
+    /// How heights are quantized; `None`: they are not.
+    pub steps: Option<Steps>,
+    /// What quantization did to heights, mesh units.
+    pub floor_error: f32,
+    /// Where the terrain is.
+    pub place: Place,
+}
+
+/// Heights are `zero + step · i` for whole i.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steps {
+    /// Mesh units.
+    pub zero: f64,
+    /// Mesh units; positive.
+    pub step: f64,
+}
+
+impl Steps {
+    /// The height of a step.
+    #[inline]
+    pub fn height(&self, i: i64) -> f32 {
+        (self.zero + self.step * i as f64) as f32
+    }
+    /// The nearest step.
+    #[inline]
+    pub fn nearest(&self, height: f32) -> i64 {
+        ((height as f64 - self.zero) / self.step).round() as i64
+    }
+}
+
+/// How mesh space lies in the coordinates of the source.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Easting and northing (longitude and latitude) of the mesh's origin, the south-western sample.
+    pub origin: DVec2,
+    /// What `origin` is measured in.
+    pub horizontal: Unit,
+    /// Source units between neighbouring columns and rows.
+    pub spacing: DVec2,
+    /// What the source's heights are measured in; in the mesh they are metres, times `exaggeration`.
+    pub vertical: Unit,
+    /// How many times too high the mesh is.
+    pub exaggeration: f32,
+}
+
+/// Why heights are no terrain.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum InvalidHeights {
+    /// Too few or too many samples.
+    #[error("{columns} × {rows} samples: a terrain has 2 to 65,537 along each side, and at most 2^29 of them")]
+    Size {
+        /// Columns.
+        columns: u32,
+        /// Rows.
+        rows: u32,
+    },
+    /// A column of another length.
+    #[error("{found} heights where there should be {expected}")]
+    Length {
+        /// How many there are.
+        found: usize,
+        /// How many there should be.
+        expected: usize,
+    },
+    /// Distances between samples that cannot be computed with.
+    #[error("the distance between samples is not a positive number below 1e9")]
+    Spacing,
+    /// A height that cannot be computed with.
+    #[error("height {0} is not a number below 1e9")]
+    Height(usize),
+    /// An unusable quantization.
+    #[error("the steps of heights are not positive finite numbers")]
+    Steps,
+    /// An unusable floor error.
+    #[error("the floor error is not a finite number")]
+    Floor,
+    /// No four neighbouring samples that make a triangle.
+    #[error("there is no triangle: nearly all samples are missing")]
+    Empty,
+}
+
+/// The hierarchy in memory: twelve bytes per sample.
+#[derive(Clone, Debug)]
+pub struct RightTriangles {
+    lattice: Lattice,
+    /// Per id.
+    records: Vec<Record>,
+    /// All ids are updates, and what is there of M⁻ is a matter of borders.
+    regular: bool,
+    /// Vertices of the base mesh.
+    corners: Vec<Corner>,
+    /// The base mesh: indices of `corners`.
+    base: Vec<[u32; 3]>,
+    /// Which base triangle has its right angle at a sample and its hypotenuse in a direction.
+    base_slots: HashMap<([i32; 2], usize), u32>,
+    mesh_spacing: DVec2,
+    spacing: Vec2,
+    /// Sine and cosine per packed half angle.
+    cones: Vec<[f32; 2]>,
+    bounds: Bounds,
+    updates: usize,
+    /// Samples that are there.
+    vertices: u32,
+    /// Of the full front.
+    triangles: u32,
+    steps: Option<Steps>,
+    floor_error: f32,
+    place: Place,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Corner {
+    sample: [u32; 2],
+    record: Record,
+}
+
+impl RightTriangles {
+    /// Finds the error of every update by looking at every sample in its triangles: some 24 levels for a grid of
+    /// 4097 × 4097, on all threads of rayon's current pool. Twelve bytes per sample, and four more on the way where some
+    /// are missing.
+    ///
+    /// # Errors
+    /// Columns that are no terrain.
+    pub fn new(columns: Columns) -> Result<RightTriangles, InvalidHeights> {
+        derive::derive(columns)
+    }
+
+    /// The columns as stored.
+    pub fn columns(&self) -> Columns {
+        let Lattice { columns, rows, .. } = self.lattice;
+        let mut heights = vec![f32::NAN; columns as usize * rows as usize];
+        let mut at = |x: i32, y: i32, height| heights[y as usize * columns as usize + x as usize] = height;
+        for (id, record) in self.records.iter().enumerate() {
+            let site = self.lattice.site(id as u32);
+            at(site.x, site.y, record.height);
+        }
+        for corner in &self.corners {
+            at(corner.sample[0] as i32, corner.sample[1] as i32, corner.record.height);
+        }
+        Columns {
+            columns: columns as u32,
+            rows: rows as u32,
+            spacing: self.mesh_spacing,
+            heights,
+            steps: self.steps,
+            floor_error: self.floor_error,
+            place: self.place,
+        }
+    }
+
+    /// Samples from west to east, and from south to north.
+    pub fn samples(&self) -> [u32; 2] {
+        [self.lattice.columns as u32, self.lattice.rows as u32]
+    }
+    /// How heights are quantized.
+    pub fn steps(&self) -> Option<Steps> {
+        self.steps
+    }
+    /// Where the terrain is.
+    pub fn place(&self) -> Place {
+        self.place
+    }
+    /// Sizes of the source: samples that are there, and triangles of the full mesh.
+    pub fn source(&self) -> SourceCounts {
+        SourceCounts { vertices: self.vertices, triangles: self.triangles }
+    }
+    /// Triangles of the base mesh.
+    pub fn base_triangles(&self) -> usize {
+        self.base.len()
+    }
+    /// The box of all samples.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+    /// Number of updates.
+    pub fn update_count(&self) -> usize {
+        self.updates
+    }
+    /// Memory, bytes.
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&self.records[..])
+            + size_of_val(&self.corners[..])
+            + size_of_val(&self.base[..])
+            + self.base_slots.capacity() * (size_of::<([i32; 2], usize)>() + 5)
+    }
+
+    fn most(&self) -> Most {
+        Most { vertices: self.vertices as usize, triangles: self.triangles as usize }
+    }
+    fn position(&self, x: i32, y: i32, height: f32) -> Vec3 {
+        (Vec2::new(x as f32, y as f32) * self.spacing).extend(height)
+    }
+    /// Whether an id is an update.
+    #[inline]
+    fn is_update(&self, id: u32) -> bool {
+        self.regular || self.records[id as usize].is_update()
+    }
+    #[inline]
+    fn visit(&self, x: i32, y: i32, visit: &mut impl FnMut(UpdateId)) {
+        if let Some(id) = self.lattice.id(x, y).filter(|&id| self.is_update(id)) {
+            visit(UpdateId(id));
+        }
+    }
+}
+
+impl MultiTessellation for RightTriangles {
+    type Mesh = FrontMesh;
+
+    fn len(&self) -> usize {
+        self.lattice.len()
+    }
+    fn updates(&self) -> impl Iterator<Item = UpdateId> {
+        (0..self.lattice.len() as u32).filter(|&id| self.is_update(id)).map(UpdateId)
+    }
+    fn centers(&self) -> (Vec3, Vec3) {
+        (self.bounds.min, self.bounds.max)
+    }
+    fn base(&self) -> FrontMesh {
+        FrontMesh::base(self)
+    }
+    #[inline]
+    fn footprint(&self, m: UpdateId) -> Footprint {
+        let site = self.lattice.site(m.0);
+        let record = &self.records[m.ix()];
+        let [sin, cos] = self.cones[record.cone()];
+        Footprint {
+            center: self.position(site.x, site.y, record.height),
+            radius: record.radius(),
+            error: record.error() + self.floor_error,
+            cone: NormalCone { axis: record.normal(), sin, cos },
+        }
+    }
+    fn roots(&self, mut visit: impl FnMut(UpdateId)) {
+        // Those whose triangles are all of the base mesh; an apex that is an update makes them a child of it.
+        let mut seen = std::collections::HashSet::new();
+        for triangle in &self.base {
+            let [a, b, _] = triangle.map(|i| self.corners[i as usize].sample.map(|c| c as i32));
+            if (a[0] + b[0]) % 2 != 0 || (a[1] + b[1]) % 2 != 0 {
+                continue;
+            }
+            self.visit((a[0] + b[0]) / 2, (a[1] + b[1]) / 2, &mut |m| {
+                let mut is_root = true;
+                self.for_needs(m, |_| is_root = false);
+                if is_root && seen.insert(m) {
+                    visit(m);
+                }
+            });
+        }
+    }
+    #[inline]
+    fn children(&self, m: UpdateId, mut visit: impl FnMut(UpdateId)) {
+        let site = self.lattice.site(m.0);
+        if site.h == 1 && !site.diagonal {
+            return;
+        }
+        for [dx, dy] in site.middles_doubled() {
+            self.visit(site.x + dx / 2, site.y + dy / 2, &mut visit);
+        }
+    }
+    #[inline]
+    fn needs(&self, _: &FrontMesh, m: UpdateId, visit: impl FnMut(UpdateId)) {
+        self.for_needs(m, visit);
+    }
+    #[inline]
+    fn needed_by(&self, _: &FrontMesh, m: UpdateId, visit: impl FnMut(UpdateId)) {
+        self.children(m, visit);
+    }
+    #[inline]
+    fn refine(&self, mesh: &mut FrontMesh, m: UpdateId) {
+        mesh.refine(self, m);
+    }
+    #[inline]
+    fn coarsen(&self, mesh: &mut FrontMesh, m: UpdateId) {
+        mesh.coarsen(self, m);
+    }
+    fn cells(&self, mesh: &FrontMesh) -> usize {
+        mesh.buffers.live_triangles()
+    }
+    #[inline]
+    fn cells_added(&self, m: UpdateId) -> usize {
+        let [a, b] = self.records[m.ix()].sides();
+        usize::from(a) + usize::from(b)
+    }
+    fn floor_error(&self) -> f32 {
+        self.floor_error
+    }
+}
+
+impl RightTriangles {
+    #[inline]
+    fn for_needs(&self, m: UpdateId, mut visit: impl FnMut(UpdateId)) {
+        let site = self.lattice.site(m.0);
+        for [dx, dy] in site.apexes() {
+            self.visit(site.x + dx, site.y + dy, &mut visit);
+        }
+    }
+}

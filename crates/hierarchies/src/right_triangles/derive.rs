@@ -1,0 +1,290 @@
+//! Errors, spheres and cones of all updates from the heights alone, fine to coarse.
+
+use super::base::{Base, Missing};
+use super::lattice::{Lattice, Site};
+use super::record::{self, Record};
+use super::{Columns, Corner, InvalidHeights, RightTriangles};
+use crate::parallel::for_chunks;
+use glam::{DVec2, Vec2, Vec3};
+use meshfront_mesh::Bounds;
+use std::f32::consts::PI;
+
+/// Slots of triangles are four times an id, and must be numbers of 32 bits.
+const MOST_SAMPLES: u64 = 1 << 29;
+/// Of samples along one side.
+const MOST_SIDE: u32 = (1 << 16) + 1;
+/// Updates of a level that are done at a time.
+const CHUNK: usize = 4096;
+
+/// Heights with what is needed to look at them.
+struct Field<'a> {
+    heights: &'a [f32],
+    columns: i32,
+    rows: i32,
+    spacing: Vec2,
+}
+
+impl Field<'_> {
+    #[inline]
+    fn at(&self, x: i32, y: i32) -> f32 {
+        self.heights[(y * self.columns + x) as usize]
+    }
+    fn there(&self, x: i32, y: i32) -> Option<f32> {
+        let inside = (0..self.columns).contains(&x) && (0..self.rows).contains(&y);
+        inside.then(|| self.at(x, y)).filter(|h| !h.is_nan())
+    }
+    fn position(&self, x: i32, y: i32, height: f32) -> Vec3 {
+        (Vec2::new(x as f32, y as f32) * self.spacing).extend(height)
+    }
+
+    /// From central differences; at borders and beside missing samples from what there is.
+    fn normal(&self, x: i32, y: i32) -> Vec3 {
+        let here = self.at(x, y);
+        let slope = |before: Option<f32>, after: Option<f32>, step: f32| match (before, after) {
+            (Some(a), Some(b)) => (b - a) / (2.0 * step),
+            (Some(a), None) => (here - a) / step,
+            (None, Some(b)) => (b - here) / step,
+            (None, None) => 0.0,
+        };
+        let dx = slope(self.there(x - 1, y), self.there(x + 1, y), self.spacing.x);
+        let dy = slope(self.there(x, y - 1), self.there(x, y + 1), self.spacing.y);
+        Vec3::new(-dx, -dy, 1.0).normalize_or(Vec3::Z)
+    }
+
+    /// The greatest vertical distance of samples of a row, from column `x`, from a line that starts at `start` there.
+    #[inline]
+    fn row(&self, y: i32, x: i32, count: i32, start: f32, slope: f32) -> f32 {
+        let first = (y * self.columns + x) as usize;
+        let row = &self.heights[first..first + count as usize];
+        let mut worst = [0f32; 8];
+        let (groups, rest) = row.as_chunks::<8>();
+        for (g, group) in groups.iter().enumerate() {
+            for k in 0..8 {
+                let line = start + slope * ((8 * g + k) as f32);
+                worst[k] = worst[k].max((group[k] - line).abs());
+            }
+        }
+        let tail = 8 * groups.len();
+        for (k, h) in rest.iter().enumerate() {
+            worst[0] = worst[0].max((h - (start + slope * ((tail + k) as f32))).abs());
+        }
+        worst.into_iter().fold(0.0, f32::max)
+    }
+
+    /// The greatest vertical distance of the samples in a triangle of M⁻ from it. The surface between samples is no
+    /// farther: finer triangles lie inside of coarser ones, and both are flat.
+    fn error(&self, site: &Site, [dx, dy]: [i32; 2]) -> f32 {
+        let &Site { x, y, h, diagonal } = site;
+        if diagonal {
+            let (cx, cy) = (x + dx, y + dy);
+            let corner = self.at(cx, cy);
+            let slope_x = (self.at(cx - 2 * dx, cy) - corner) / (2 * h) as f32;
+            let slope_y = (self.at(cx, cy - 2 * dy) - corner) / (2 * h) as f32;
+            let mut worst = 0f32;
+            for t in 0..=2 * h {
+                let (count, start) = (2 * h - t + 1, corner + slope_y * t as f32);
+                let row = cy - dy.signum() * t;
+                let error = if dx > 0 {
+                    self.row(row, cx - (count - 1), count, start + slope_x * (count - 1) as f32, -slope_x)
+                } else {
+                    self.row(row, cx, count, start, slope_x)
+                };
+                worst = worst.max(error);
+            }
+            worst
+        } else if dx == 0 {
+            let (a, b, apex) = (self.at(x - h, y), self.at(x + h, y), self.at(x, y + dy));
+            let (middle, slope) = (0.5 * (a + b), (b - a) / (2 * h) as f32);
+            if h == 1 {
+                return (self.at(x, y) - middle).abs();
+            }
+            let up = (apex - middle) / h as f32;
+            let row = |t: i32| {
+                let start = middle + up * t as f32 - slope * (h - t) as f32;
+                self.row(y + dy.signum() * t, x - (h - t), 2 * (h - t) + 1, start, slope)
+            };
+            (0..h).map(row).fold(0.0, f32::max)
+        } else {
+            let (a, b, apex) = (self.at(x, y - h), self.at(x, y + h), self.at(x + dx, y));
+            let (middle, slope) = (0.5 * (a + b), (b - a) / (2 * h) as f32);
+            if h == 1 {
+                return (self.at(x, y) - middle).abs();
+            }
+            let across = (apex - middle) / h as f32;
+            let row = |t: i32| {
+                let (count, start) = (h - t.abs() + 1, middle + slope * t as f32);
+                if dx > 0 {
+                    self.row(y + t, x, count, start, across)
+                } else {
+                    self.row(y + t, x - (count - 1), count, start + across * (count - 1) as f32, -across)
+                }
+            };
+            (-h..=h).map(row).fold(0.0, f32::max)
+        }
+    }
+
+    /// Normals of the finest triangles around a sample, on the sides that are there.
+    fn finest_normals(&self, site: &Site, sides: [bool; 2], mut visit: impl FnMut(Vec3)) {
+        let &Site { x, y, .. } = site;
+        let here = self.at(x, y);
+        for (way, there) in site.apexes().into_iter().zip(sides) {
+            if !there {
+                continue;
+            }
+            let [dx, dy] = way;
+            // Each half has one leg towards the apex, one along the hypotenuse.
+            for [ex, ey] in [[dy, dx], [-dy, -dx]] {
+                let along =
+                    |x_way: [i32; 2]| (self.at(x + x_way[0], y + x_way[1]) - here) * (x_way[0] + x_way[1]) as f32;
+                let (sx, sy) =
+                    if dx != 0 { (along([dx, dy]), along([ex, ey])) } else { (along([ex, ey]), along([dx, dy])) };
+                visit(Vec3::new(-sx / self.spacing.x, -sy / self.spacing.y, 1.0).normalize());
+            }
+        }
+    }
+}
+
+/// An upper bound of the angle between unit vectors, at most one part in twenty too large: arcsin x ≤ x + (π/2 − 1) x³.
+#[inline]
+fn angle_between(a: Vec3, b: Vec3) -> f32 {
+    let x = 0.5 * a.distance(b);
+    2.0 * (x + 0.570_797 * x * x * x)
+}
+
+pub(super) fn derive(columns: Columns) -> Result<RightTriangles, InvalidHeights> {
+    check(&columns)?;
+    let Columns { columns: w, rows: r, spacing, ref heights, .. } = columns;
+    let lattice = Lattice::new(w, r);
+    let field = Field { heights, columns: w as i32, rows: r as i32, spacing: spacing.as_vec2() };
+    let missing = Missing::of(&lattice, heights);
+    let base = Base::new(&lattice, &missing);
+    if base.triangles.is_empty() {
+        return Err(InvalidHeights::Empty);
+    }
+    // Where the field fills its square, what is there is a matter of borders.
+    let regular = !missing.any() && lattice.columns == lattice.side + 1 && lattice.rows == lattice.side + 1;
+    let sides = |site: &Site| {
+        if regular {
+            site.apexes().map(|[dx, dy]| lattice.contains(site.x + dx, site.y + dy))
+        } else if base.cut.contains(&[site.x, site.y]) {
+            [false; 2]
+        } else {
+            missing.sides(site)
+        }
+    };
+
+    let mut records = vec![Record::default(); lattice.len()];
+    for level in lattice.levels().rev() {
+        let (coarser, finer) = records.split_at_mut(level.end);
+        let end = level.end as u32;
+        for_chunks(&mut coarser[level.start..], CHUNK, |chunk, records| {
+            for (i, record) in records.iter_mut().enumerate() {
+                let site = lattice.site((level.start + chunk * CHUNK + i) as u32);
+                *record = measure(&field, &lattice, &site, sides(&site), |id| &finer[(id - end) as usize]);
+            }
+        });
+    }
+    let corner = |&[x, y]: &[i32; 2]| {
+        let record = match lattice.id(x, y) {
+            Some(id) => records[id as usize],
+            None => Record::new(field.at(x, y), field.normal(x, y), [false; 2]),
+        };
+        Corner { sample: [x as u32, y as u32], record }
+    };
+    let corners = base.vertices.iter().map(corner).collect();
+
+    let there = heights.iter().filter(|h| !h.is_nan());
+    let (low, high) = there.clone().fold((f32::MAX, f32::MIN), |(a, b), &h| (a.min(h), b.max(h)));
+    let extent = (DVec2::new((w - 1) as f64, (r - 1) as f64) * spacing).as_vec2();
+    let updates = records.iter().filter(|r| r.is_update());
+    let triangles =
+        base.triangles.len() + updates.clone().map(|r| r.sides().into_iter().filter(|&s| s).count()).sum::<usize>();
+    Ok(RightTriangles {
+        updates: updates.count(),
+        vertices: there.count() as u32,
+        triangles: triangles as u32,
+        bounds: Bounds { min: Vec2::ZERO.extend(low), max: extent.extend(high) },
+        regular,
+        corners,
+        base: base.triangles,
+        base_slots: base.at,
+        records,
+        lattice,
+        mesh_spacing: spacing,
+        spacing: spacing.as_vec2(),
+        cones: record::cones(),
+        steps: columns.steps,
+        floor_error: columns.floor_error,
+        place: columns.place,
+    })
+}
+
+/// Everything about one update but its neighbours' needs: its own triangles, and what finer ones hand up.
+fn measure<'a>(
+    field: &Field,
+    lattice: &Lattice,
+    site: &Site,
+    sides: [bool; 2],
+    finer: impl Fn(u32) -> &'a Record,
+) -> Record {
+    let &Site { x, y, h, .. } = site;
+    let height = field.at(x, y);
+    if height.is_nan() {
+        return Record::missing();
+    }
+    let record = Record::new(height, field.normal(x, y), sides);
+    if !record.is_update() {
+        return record;
+    }
+    let (center, axis) = (field.position(x, y, height), record.normal());
+    let (mut error, mut radius, mut angle) = (0f32, 0f32, 0f32);
+    for (way, _) in site.apexes().into_iter().zip(sides).filter(|(_, there)| *there) {
+        error = error.max(field.error(site, way));
+        for [px, py] in super::base::triangle(site, way) {
+            radius = radius.max(center.distance(field.position(px, py, field.at(px, py))));
+        }
+    }
+    if h == 1 && !site.diagonal {
+        field.finest_normals(site, sides, |normal| angle = angle.max(angle_between(axis, normal)));
+    } else {
+        for [dx, dy] in site.middles_doubled() {
+            let Some(id) = lattice.id(x + dx / 2, y + dy / 2) else { continue };
+            let child = finer(id);
+            if child.is_update() {
+                let place = field.position(x + dx / 2, y + dy / 2, child.height);
+                error = error.max(child.error());
+                radius = radius.max(center.distance(place) + child.radius());
+                let half = child.half_angle().map_or(PI, |half| half + angle_between(axis, child.normal()));
+                angle = angle.max(half);
+            }
+        }
+    }
+    record.measured(error, radius, angle)
+}
+
+fn check(c: &Columns) -> Result<(), InvalidHeights> {
+    if c.columns < 2 || c.rows < 2 || c.columns > MOST_SIDE || c.rows > MOST_SIDE {
+        return Err(InvalidHeights::Size { columns: c.columns, rows: c.rows });
+    }
+    let samples = c.columns as u64 * c.rows as u64;
+    if samples > MOST_SAMPLES {
+        return Err(InvalidHeights::Size { columns: c.columns, rows: c.rows });
+    }
+    if c.heights.len() as u64 != samples {
+        return Err(InvalidHeights::Length { found: c.heights.len(), expected: samples as usize });
+    }
+    let positive = |x: f64| x.is_finite() && x > 0.0 && (x as f32) > 0.0 && x < 1e9;
+    if !(positive(c.spacing.x) && positive(c.spacing.y)) {
+        return Err(InvalidHeights::Spacing);
+    }
+    if let Some(i) = c.heights.iter().position(|h| !h.is_nan() && h.abs() >= 1e9) {
+        return Err(InvalidHeights::Height(i));
+    }
+    if !(c.floor_error.is_finite() && c.floor_error >= 0.0) {
+        return Err(InvalidHeights::Floor);
+    }
+    match c.steps {
+        Some(steps) if !(steps.zero.is_finite() && positive(steps.step)) => Err(InvalidHeights::Steps),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,217 @@
+//! Where updates are: ids, samples and neighbours are arithmetic.
+//!
+//! The samples lie in the lower left of a square whose side n is a power of two. An update stands for a sample v that is
+//! the middle of a hypotenuse; with h the greatest power of two that divides both of its coordinates:
+//!
+//! ```text
+//!   diagonal: both coordinates are odd multiples of h     straight: one of them is
+//!
+//!     e-----p          p, p: the right angles of the            p
+//!     | \   |          two triangles of M⁻, and at the        / | \
+//!     |   v |          same time the updates that made       e--v--e
+//!     |     \|         them: what v needs                     \ | /
+//!     p-----e          e, e: ends of the hypotenuse             p
+//! ```
+//!
+//! Ids go level by level, coarse to fine (diagonal before straight for the same h), in each by rows from the south.
+
+use std::array::from_fn;
+
+/// A sample that an update stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Site {
+    pub x: i32,
+    pub y: i32,
+    /// Half the hypotenuse's extent along an axis, in samples.
+    pub h: i32,
+    pub diagonal: bool,
+}
+
+/// A step between samples.
+pub(super) type Way = [i32; 2];
+
+impl Site {
+    /// Steps from v to the right angles of its two triangles.
+    #[inline]
+    pub fn apexes(&self) -> [Way; 2] {
+        let Site { x, y, h, diagonal } = *self;
+        if diagonal {
+            // In units of 2h the corners' coordinates add up to even numbers at the ends of the hypotenuse.
+            let odd = ((x - h) / (2 * h) + (y - h) / (2 * h)) & 1 == 1;
+            if odd { [[-h, -h], [h, h]] } else { [[h, -h], [-h, h]] }
+        } else if x & h != 0 {
+            [[0, -h], [0, h]]
+        } else {
+            [[-h, 0], [h, 0]]
+        }
+    }
+    /// Steps from v to the middles of the hypotenuses of the triangles around it once it is applied; doubled, since those
+    /// of the finest triangles lie between samples.
+    #[inline]
+    pub fn middles_doubled(&self) -> [Way; 4] {
+        let h = self.h;
+        if self.diagonal {
+            [[-2 * h, 0], [2 * h, 0], [0, -2 * h], [0, 2 * h]]
+        } else {
+            [[-h, -h], [h, -h], [-h, h], [h, h]]
+        }
+    }
+}
+
+/// Which of the four triangles around an apex has its hypotenuse in a direction.
+#[inline]
+pub(super) fn quarter(way: Way) -> usize {
+    match way {
+        [0, dy] => 2 + usize::from(dy > 0),
+        [dx, 0] => usize::from(dx > 0),
+        [dx, dy] => usize::from(dx > 0) + 2 * usize::from(dy > 0),
+    }
+}
+
+/// Samples of one level: a row of `odd` ones (x an odd multiple of h), then for straight levels one of `even` ones.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    first: u32,
+    h: u32,
+    odd: u32,
+    even: u32,
+    diagonal: bool,
+}
+
+/// Ids of samples.
+#[derive(Clone, Debug)]
+pub(super) struct Lattice {
+    pub columns: i32,
+    pub rows: i32,
+    /// Side of the square that all of them lie in: a power of two.
+    pub side: i32,
+    levels: Vec<Level>,
+    /// Per number of leading zeros of an id: the first level that such an id can be in.
+    hints: [u8; 33],
+    len: u32,
+}
+
+impl Lattice {
+    pub fn new(columns: u32, rows: u32) -> Lattice {
+        let (w, r) = (columns - 1, rows - 1);
+        let side = w.max(r).next_power_of_two();
+        let (mut levels, mut len) = (vec![], 0);
+        let mut h = side / 2;
+        while h > 0 {
+            let odd = |most: u32| (most / h).div_ceil(2);
+            let even = w / (2 * h) + 1;
+            levels.push(Level { first: len, h, odd: odd(w), even: 0, diagonal: true });
+            len += odd(w) * odd(r);
+            levels.push(Level { first: len, h, odd: odd(w), even, diagonal: false });
+            let lines = r / h + 1;
+            len += lines / 2 * (odd(w) + even) + lines % 2 * odd(w);
+            h /= 2;
+        }
+        let hints = from_fn(|zeros| {
+            let least = if zeros == 32 { 0 } else { (1u64 << (31 - zeros)) as u32 };
+            levels.partition_point(|level: &Level| level.first <= least).saturating_sub(1) as u8
+        });
+        Lattice { columns: columns as i32, rows: rows as i32, side: side as i32, levels, hints, len }
+    }
+
+    /// Number of ids.
+    pub fn len(&self) -> usize {
+        self.len as usize
+    }
+    /// Ids of each level, coarse to fine.
+    pub fn levels(&self) -> impl DoubleEndedIterator<Item = std::ops::Range<usize>> {
+        let ends = self.levels.iter().skip(1).map(|l| l.first).chain([self.len]);
+        self.levels
+            .iter()
+            .map(|l| l.first)
+            .zip(ends)
+            .map(|(a, b)| a as usize..b as usize)
+            .collect::<Vec<_>>()
+            .into_iter()
+    }
+    /// Number of an id's level, from 0.
+    #[inline]
+    pub fn level_of(&self, id: u32) -> usize {
+        let mut level = self.hints[id.leading_zeros() as usize] as usize;
+        while self.levels.get(level + 1).is_some_and(|next| next.first <= id) {
+            level += 1;
+        }
+        level
+    }
+
+    #[inline]
+    pub fn site(&self, id: u32) -> Site {
+        let Level { first, h, odd, even, diagonal } = self.levels[self.level_of(id)];
+        let i = id - first;
+        let pair = odd + even;
+        let (line, column) = (i / pair, i % pair);
+        let (x, y) = match (diagonal, column < odd) {
+            (true, _) => (2 * column + 1, 2 * line + 1),
+            (false, true) => (2 * column + 1, 2 * line),
+            (false, false) => (2 * (column - odd), 2 * line + 1),
+        };
+        Site { x: (x * h) as i32, y: (y * h) as i32, h: h as i32, diagonal }
+    }
+
+    pub fn contains(&self, x: i32, y: i32) -> bool {
+        (0..self.columns).contains(&x) && (0..self.rows).contains(&y)
+    }
+
+    /// The site of a sample; `None` for the corners of the square. Also for samples outside of the field.
+    #[inline]
+    pub fn site_at(&self, x: i32, y: i32) -> Option<Site> {
+        let h = 1 << (x | y | self.side).trailing_zeros();
+        (h < self.side).then(|| Site { x, y, h, diagonal: x & h != 0 && y & h != 0 })
+    }
+
+    /// The id of a sample of the field; `None` for the corners of the square and outside of the field.
+    #[inline]
+    pub fn id(&self, x: i32, y: i32) -> Option<u32> {
+        if !self.contains(x, y) {
+            return None;
+        }
+        let h = 1u32 << (x | y | self.side).trailing_zeros();
+        if h as i32 == self.side {
+            return None;
+        }
+        let (x, y) = (x as u32 / h, y as u32 / h);
+        let diagonal = x & y & 1 == 1;
+        let at = 2 * ((self.side as u32 / 2).trailing_zeros() - h.trailing_zeros()) as usize + usize::from(!diagonal);
+        let Level { first, odd, even, .. } = self.levels[at];
+        Some(first + y / 2 * (odd + even) + if !diagonal && y & 1 == 1 { odd + x / 2 } else { x / 2 })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_sample_but_corners_has_one_id_after_those_that_it_needs() {
+        for (columns, rows) in [(2, 2), (3, 3), (5, 5), (9, 9), (2, 9), (7, 3), (13, 6), (33, 20)] {
+            let lattice = Lattice::new(columns, rows);
+            let mut seen = vec![false; lattice.len()];
+            for y in 0..rows as i32 {
+                for x in 0..columns as i32 {
+                    let corner = x % lattice.side == 0 && y % lattice.side == 0;
+                    let Some(id) = lattice.id(x, y) else {
+                        assert!(corner, "{x}, {y} of {columns} × {rows}");
+                        continue;
+                    };
+                    assert!(!corner && !std::mem::replace(&mut seen[id as usize], true));
+                    let site = lattice.site(id);
+                    assert_eq!((site.x, site.y), (x, y), "{id} of {columns} × {rows}");
+                    assert_eq!(lattice.site_at(x, y), Some(site));
+                    for [dx, dy] in site.apexes() {
+                        if let Some(need) = lattice.id(x + dx, y + dy) {
+                            assert!(need < id);
+                            let around = lattice.site(need).middles_doubled();
+                            assert!(around.contains(&[-2 * dx, -2 * dy]), "{site:?} is not around {dx}, {dy}");
+                        }
+                    }
+                }
+            }
+            assert!(seen.into_iter().all(|s| s));
+        }
+    }
+}
