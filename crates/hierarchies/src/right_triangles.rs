@@ -72,7 +72,8 @@ impl Steps {
     /// The nearest step.
     #[inline]
     pub fn nearest(&self, height: f32) -> i64 {
-        ((height as f64 - self.zero) / self.step).round() as i64
+        let i = (height as f64 - self.zero) / self.step;
+        (i + 0.5f64.copysign(i)) as i64
     }
 }
 

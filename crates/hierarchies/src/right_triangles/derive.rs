@@ -33,12 +33,15 @@ impl Field<'_> {
         let inside = (0..self.columns).contains(&x) && (0..self.rows).contains(&y);
         inside.then(|| self.at(x, y)).filter(|h| !h.is_nan())
     }
-    fn position(&self, x: i32, y: i32, height: f32) -> Vec3 {
-        (Vec2::new(x as f32, y as f32) * self.spacing).extend(height)
-    }
-
     /// From central differences; at borders and beside missing samples from what there is.
     fn normal(&self, x: i32, y: i32) -> Vec3 {
+        if (1..self.columns - 1).contains(&x) && (1..self.rows - 1).contains(&y) {
+            let across = (self.at(x + 1, y) - self.at(x - 1, y)) / (2.0 * self.spacing.x);
+            let up = (self.at(x, y + 1) - self.at(x, y - 1)) / (2.0 * self.spacing.y);
+            if !(across + up).is_nan() {
+                return Vec3::new(-across, -up, 1.0).normalize_or(Vec3::Z);
+            }
+        }
         let here = self.at(x, y);
         let slope = |before: Option<f32>, after: Option<f32>, step: f32| match (before, after) {
             (Some(a), Some(b)) => (b - a) / (2.0 * step),
@@ -56,32 +59,36 @@ impl Field<'_> {
     fn row(&self, y: i32, x: i32, count: i32, start: f32, slope: f32) -> f32 {
         let first = (y * self.columns + x) as usize;
         let row = &self.heights[first..first + count as usize];
-        let mut worst = [0f32; 8];
+        let away = |k: usize, h: f32| (h - (start + slope * k as f32)).abs();
         let (groups, rest) = row.as_chunks::<8>();
-        for (g, group) in groups.iter().enumerate() {
-            for k in 0..8 {
-                let line = start + slope * ((8 * g + k) as f32);
-                worst[k] = worst[k].max((group[k] - line).abs());
+        let mut worst = rest.iter().enumerate().fold(0.0, |w, (k, &h)| greater(w, away(8 * groups.len() + k, h)));
+        if !groups.is_empty() {
+            let mut lanes = [0f32; 8];
+            for (g, group) in groups.iter().enumerate() {
+                for k in 0..8 {
+                    lanes[k] = greater(lanes[k], away(8 * g + k, group[k]));
+                }
             }
+            worst = lanes.into_iter().fold(worst, greater);
         }
-        let tail = 8 * groups.len();
-        for (k, h) in rest.iter().enumerate() {
-            worst[0] = worst[0].max((h - (start + slope * ((tail + k) as f32))).abs());
-        }
-        worst.into_iter().fold(0.0, f32::max)
+        worst
     }
 
     /// The greatest vertical distance of the samples in a triangle of M⁻ from it. The surface between samples is no
     /// farther: finer triangles lie inside of coarser ones, and both are flat.
     fn error(&self, site: &Site, [dx, dy]: [i32; 2]) -> f32 {
         let &Site { x, y, h, diagonal } = site;
+        if h == 1 {
+            // The middles of the legs of a diagonal one are for the updates there, whose errors are handed up.
+            return (self.at(x, y) - 0.5 * (self.at(x - dy, y + dx) + self.at(x + dy, y - dx))).abs();
+        }
         if diagonal {
             let (cx, cy) = (x + dx, y + dy);
             let corner = self.at(cx, cy);
             let slope_x = (self.at(cx - 2 * dx, cy) - corner) / (2 * h) as f32;
             let slope_y = (self.at(cx, cy - 2 * dy) - corner) / (2 * h) as f32;
             let mut worst = 0f32;
-            for t in 0..=2 * h {
+            for t in 0..2 * h {
                 let (count, start) = (2 * h - t + 1, corner + slope_y * t as f32);
                 let row = cy - dy.signum() * t;
                 let error = if dx > 0 {
@@ -89,27 +96,21 @@ impl Field<'_> {
                 } else {
                     self.row(row, cx, count, start, slope_x)
                 };
-                worst = worst.max(error);
+                worst = greater(worst, error);
             }
             worst
         } else if dx == 0 {
             let (a, b, apex) = (self.at(x - h, y), self.at(x + h, y), self.at(x, y + dy));
             let (middle, slope) = (0.5 * (a + b), (b - a) / (2 * h) as f32);
-            if h == 1 {
-                return (self.at(x, y) - middle).abs();
-            }
             let up = (apex - middle) / h as f32;
             let row = |t: i32| {
                 let start = middle + up * t as f32 - slope * (h - t) as f32;
                 self.row(y + dy.signum() * t, x - (h - t), 2 * (h - t) + 1, start, slope)
             };
-            (0..h).map(row).fold(0.0, f32::max)
+            (0..h).map(row).fold(0.0, greater)
         } else {
             let (a, b, apex) = (self.at(x, y - h), self.at(x, y + h), self.at(x + dx, y));
             let (middle, slope) = (0.5 * (a + b), (b - a) / (2 * h) as f32);
-            if h == 1 {
-                return (self.at(x, y) - middle).abs();
-            }
             let across = (apex - middle) / h as f32;
             let row = |t: i32| {
                 let (count, start) = (h - t.abs() + 1, middle + slope * t as f32);
@@ -119,36 +120,55 @@ impl Field<'_> {
                     self.row(y + t, x - (count - 1), count, start + across * (count - 1) as f32, -across)
                 }
             };
-            (-h..=h).map(row).fold(0.0, f32::max)
+            (-h..=h).map(row).fold(0.0, greater)
         }
     }
 
-    /// Normals of the finest triangles around a sample, on the sides that are there.
+    /// Normals of the finest triangles around a sample, of any length, on the sides that are there.
+    #[inline]
     fn finest_normals(&self, site: &Site, sides: [bool; 2], mut visit: impl FnMut(Vec3)) {
         let &Site { x, y, .. } = site;
         let here = self.at(x, y);
-        for (way, there) in site.apexes().into_iter().zip(sides) {
+        for ([dx, dy], there) in site.apexes().into_iter().zip(sides) {
             if !there {
                 continue;
             }
-            let [dx, dy] = way;
+            let slope = |[dx, dy]: [i32; 2]| (self.at(x + dx, y + dy) - here) * (dx + dy) as f32;
+            let to_apex = slope([dx, dy]);
             // Each half has one leg towards the apex, one along the hypotenuse.
-            for [ex, ey] in [[dy, dx], [-dy, -dx]] {
-                let along =
-                    |x_way: [i32; 2]| (self.at(x + x_way[0], y + x_way[1]) - here) * (x_way[0] + x_way[1]) as f32;
-                let (sx, sy) =
-                    if dx != 0 { (along([dx, dy]), along([ex, ey])) } else { (along([ex, ey]), along([dx, dy])) };
-                visit(Vec3::new(-sx / self.spacing.x, -sy / self.spacing.y, 1.0).normalize());
+            for leg in [[dy, dx], [-dy, -dx]] {
+                let (sx, sy) = if dx != 0 { (to_apex, slope(leg)) } else { (slope(leg), to_apex) };
+                visit(Vec3::new(-sx / self.spacing.x, -sy / self.spacing.y, 1.0));
             }
         }
     }
 }
 
-/// An upper bound of the angle between unit vectors, at most one part in twenty too large: arcsin x ≤ x + (π/2 − 1) x³.
+/// `f32::max` without its care for NaN, which costs more than all the rest of a row.
 #[inline]
-fn angle_between(a: Vec3, b: Vec3) -> f32 {
-    let x = 0.5 * a.distance(b);
-    2.0 * (x + 0.570_797 * x * x * x)
+fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// How far directions are from an axis at most, without a root for each.
+struct Spread {
+    axis: Vec3,
+    /// The least cosine, squared, with its sign.
+    least: f32,
+}
+
+impl Spread {
+    #[inline]
+    fn add(&mut self, direction: Vec3) {
+        let along = self.axis.dot(direction);
+        self.least = self.least.min(along * along.abs() / direction.length_squared());
+    }
+    /// An upper bound of the angle, at most one part in twenty too large: arcsin x ≤ x + (π/2 − 1) x³.
+    fn angle(&self) -> f32 {
+        let cos = self.least.signum() * self.least.abs().sqrt();
+        let x = ((1.0 - cos) * 0.5).max(0.0).sqrt();
+        2.0 * (x + 0.570_797 * x * x * x) + 1e-3
+    }
 }
 
 pub(super) fn derive(columns: Columns) -> Result<RightTriangles, InvalidHeights> {
@@ -236,30 +256,36 @@ fn measure<'a>(
     if !record.is_update() {
         return record;
     }
-    let (center, axis) = (field.position(x, y, height), record.normal());
-    let (mut error, mut radius, mut angle) = (0f32, 0f32, 0f32);
-    for (way, _) in site.apexes().into_iter().zip(sides).filter(|(_, there)| *there) {
-        error = error.max(field.error(site, way));
-        for [px, py] in super::base::triangle(site, way) {
-            radius = radius.max(center.distance(field.position(px, py, field.at(px, py))));
+    let axis = record.normal();
+    // Squared distance of a sample: one root is enough for the farthest one.
+    let squared = |dx: i32, dy: i32, there: f32| {
+        (Vec2::new(dx as f32, dy as f32) * field.spacing).extend(there - height).length_squared()
+    };
+    let (mut error, mut reach) = (0f32, 0f32);
+    for ([dx, dy], _) in site.apexes().into_iter().zip(sides).filter(|(_, there)| *there) {
+        error = greater(error, field.error(site, [dx, dy]));
+        for [dx, dy] in [[dx, dy], [dy, -dx], [-dy, dx]] {
+            reach = greater(reach, squared(dx, dy, field.at(x + dx, y + dy)));
         }
     }
+    let mut spread = Spread { axis, least: 1.0 };
     if h == 1 && !site.diagonal {
-        field.finest_normals(site, sides, |normal| angle = angle.max(angle_between(axis, normal)));
-    } else {
-        for [dx, dy] in site.middles_doubled() {
-            let Some(id) = lattice.id(x + dx / 2, y + dy / 2) else { continue };
-            let child = finer(id);
-            if child.is_update() {
-                let place = field.position(x + dx / 2, y + dy / 2, child.height);
-                error = error.max(child.error());
-                radius = radius.max(center.distance(place) + child.radius());
-                let half = child.half_angle().map_or(PI, |half| half + angle_between(axis, child.normal()));
-                angle = angle.max(half);
-            }
+        field.finest_normals(site, sides, |normal| spread.add(normal));
+        return record.measured(error, reach.sqrt(), spread.angle());
+    }
+    let (mut child_reach, mut child_radius, mut child_angle) = (0f32, 0f32, 0f32);
+    for [dx, dy] in site.middles_doubled().map(|way| way.map(|c| c / 2)) {
+        let Some(id) = lattice.id(x + dx, y + dy) else { continue };
+        let child = finer(id);
+        if child.is_update() {
+            error = greater(error, child.error());
+            child_reach = greater(child_reach, squared(dx, dy, child.height));
+            child_radius = greater(child_radius, child.radius());
+            child_angle = greater(child_angle, child.half_angle().unwrap_or(PI));
+            spread.add(child.direction());
         }
     }
-    record.measured(error, radius, angle)
+    record.measured(error, reach.sqrt().max(child_reach.sqrt() + child_radius), spread.angle() + child_angle)
 }
 
 fn check(c: &Columns) -> Result<(), InvalidHeights> {

@@ -40,7 +40,8 @@ impl Record {
     }
     /// What is found out about a sample from those below it.
     pub fn measured(self, error: f32, radius: f32, half_angle: f32) -> Record {
-        let angle = if half_angle >= FRAC_PI_2 { 255 } else { (half_angle * (ANGLES / FRAC_PI_2)).ceil() as u32 };
+        // Rounded up, and up to the next step where it is one: roots were rounded too.
+        let angle = if half_angle >= FRAC_PI_2 { 255 } else { (half_angle * (ANGLES / FRAC_PI_2)) as u32 + 1 };
         Record {
             error: upper(error),
             // A relative 1e-6 covers the rounding of the additions that checked containment.
@@ -58,13 +59,17 @@ impl Record {
     pub fn radius(&self) -> f32 {
         number(self.radius)
     }
+    /// The sample's normal, of any length.
+    #[inline]
+    pub fn direction(&self) -> Vec3 {
+        let [x, y] = [self.packed & 0x7ff, self.packed >> 11 & 0x7ff].map(|c| c as f32 * (2.0 / 2046.0) - 1.0);
+        // Terrain's normals point up: nothing is ever folded under the octahedron.
+        Vec3::new(x, y, (1.0 - x.abs() - y.abs()).max(1e-4))
+    }
     /// Unit vector.
     #[inline]
     pub fn normal(&self) -> Vec3 {
-        let [x, y] = [self.packed & 0x7ff, self.packed >> 11 & 0x7ff].map(|c| c as f32 * (2.0 / 2046.0) - 1.0);
-        let z = 1.0 - x.abs() - y.abs();
-        let t = (-z).max(0.0);
-        Vec3::new(x - t.copysign(x), y - t.copysign(y), z).normalize()
+        self.direction().normalize()
     }
     /// Which triangles of M⁻ are there; none: there is no update.
     #[inline]
@@ -98,10 +103,9 @@ fn pack_sides([first, second]: [bool; 2]) -> u32 {
     u32::from(first) | u32::from(second) << 1
 }
 
-/// Terrain normals point up: the lower half of the octahedron stays unused.
 fn pack_normal(n: Vec3) -> u32 {
     let n = n / (n.x.abs() + n.y.abs() + n.z.abs());
-    let [x, y] = [n.x, n.y].map(|c| ((c * 0.5 + 0.5) * 2046.0).round() as u32);
+    let [x, y] = [n.x, n.y].map(|c| ((c * 0.5 + 0.5) * 2046.0 + 0.5) as u32);
     x | y << 11
 }
 
