@@ -18,6 +18,7 @@
 
 mod error;
 mod gltf;
+pub mod height;
 mod obj;
 mod off;
 mod ply;
@@ -25,6 +26,7 @@ mod soup;
 mod stl;
 mod text;
 
+use std::borrow::Cow;
 use std::ffi::OsStr;
 use std::fmt;
 use std::fs;
@@ -84,9 +86,7 @@ impl Format {
 
     /// The format by the ending of a name, upper or lower case, with or without `.gz` behind it.
     pub fn from_path(path: impl AsRef<Path>) -> Result<Format, UnknownFormat> {
-        let path = path.as_ref();
-        let inner = path.file_stem().filter(|_| is_gz(path)).map(Path::new).unwrap_or(path);
-        let ending = inner.extension().ok_or(UnknownFormat::NoEnding)?.to_string_lossy().to_lowercase();
+        let ending = inner_ending(path.as_ref()).ok_or(UnknownFormat::NoEnding)?;
         Format::ALL.into_iter().find(|f| f.ending() == ending).ok_or(UnknownFormat::Ending { ending })
     }
 }
@@ -102,6 +102,12 @@ impl fmt::Display for Format {
             Format::Gltf => "glTF",
         })
     }
+}
+
+/// The ending of a name in lower case, less a `.gz` behind it.
+fn inner_ending(path: &Path) -> Option<String> {
+    let inner = path.file_stem().filter(|_| is_gz(path)).map(Path::new).unwrap_or(path);
+    Some(inner.extension()?.to_string_lossy().to_lowercase())
 }
 
 fn is_gz(path: &Path) -> bool {
@@ -293,13 +299,7 @@ fn read_from(
 
 fn parse(file: &[u8], format: Format, folder: Option<&Path>, options: ReadOptions<'_>) -> Result<Source, Fail> {
     let ticker = &mut Ticker::new(options.progress);
-    let inflated;
-    let bytes = if file.starts_with(&[0x1f, 0x8b]) {
-        inflated = inflate(file, ticker)?;
-        &inflated
-    } else {
-        file
-    };
+    let bytes: &[u8] = &plain(file, ticker)?;
     ticker.start(Phase::Parse, bytes.len() as u64);
     let mut soup = match format {
         Format::Off => off::read(bytes, ticker),
@@ -349,6 +349,11 @@ fn parse(file: &[u8], format: Format, folder: Option<&Path>, options: ReadOption
     Ok(Source { mesh, report })
 }
 
+/// The bytes of a file, inflated if they are gzip.
+fn plain<'a>(file: &'a [u8], ticker: &mut Ticker<'_>) -> Result<Cow<'a, [u8]>, Fail> {
+    Ok(if file.starts_with(&[0x1f, 0x8b]) { inflate(file, ticker)?.into() } else { file.into() })
+}
+
 /// Inflates gzip of any number of members, within [`MOST_INFLATION`].
 fn inflate(file: &[u8], ticker: &mut Ticker<'_>) -> Result<Vec<u8>, Fail> {
     let limit = (file.len() as u64).saturating_mul(MOST_INFLATION).max(ALWAYS_INFLATES_TO);
@@ -386,6 +391,16 @@ pub fn write(path: impl AsRef<Path>, mesh: &TriangleMesh, options: WriteOptions)
     if let Some((what, remedy)) = refusal(mesh, format) {
         return Err(WriteError::Unsupported { path: path.to_owned(), what, remedy });
     }
+    write_whole(path, options, |out| write_to(out, mesh, format))
+}
+
+/// Writes what `body` writes to a temporary file beside `path`, compressed where that ends with `.gz`, and moves it
+/// there when complete.
+fn write_whole(
+    path: &Path,
+    options: WriteOptions,
+    body: impl FnOnce(&mut &mut dyn Write) -> io::Result<()>,
+) -> Result<(), WriteError> {
     if let Ok(there) = fs::symlink_metadata(path) {
         if !(there.is_file() || there.is_symlink() && path.is_file()) {
             return Err(WriteError::NotAFile { path: path.to_owned() });
@@ -394,13 +409,17 @@ pub fn write(path: impl AsRef<Path>, mesh: &TriangleMesh, options: WriteOptions)
             return Err(WriteError::Exists { path: path.to_owned() });
         }
     }
-    write_atomically(path, mesh, format, options).map_err(|cause| match cause.kind() {
+    write_atomically(path, options, body).map_err(|cause| match cause.kind() {
         io::ErrorKind::AlreadyExists if !options.overwrite => WriteError::Exists { path: path.to_owned() },
         _ => WriteError::Io { path: path.to_owned(), cause },
     })
 }
 
-fn write_atomically(path: &Path, mesh: &TriangleMesh, format: Format, options: WriteOptions) -> io::Result<()> {
+fn write_atomically(
+    path: &Path,
+    options: WriteOptions,
+    body: impl FnOnce(&mut &mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut prefix = OsStr::new(".").to_owned();
     prefix.push(path.file_name().unwrap_or_default());
@@ -416,11 +435,11 @@ fn write_atomically(path: &Path, mesh: &TriangleMesh, format: Format, options: W
     let out = BufWriter::with_capacity(1 << 18, file.as_file_mut());
     if is_gz(path) {
         let mut out = GzEncoder::new(out, Compression::new(6));
-        write_to(&mut out, mesh, format)?;
+        body(&mut (&mut out as &mut dyn Write))?;
         out.finish()?.flush()?;
     } else {
         let mut out = out;
-        write_to(&mut out, mesh, format)?;
+        body(&mut (&mut out as &mut dyn Write))?;
         out.flush()?;
     }
     if options.overwrite { file.persist(path)?.sync_all() } else { file.persist_noclobber(path)?.sync_all() }

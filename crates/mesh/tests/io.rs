@@ -232,7 +232,7 @@ fn bad_files_are_told_with_place_and_remedy() {
             "d.off",
             Format::Off,
             b"OFF\n3 1 0\n0 0 0\n1 inf 0\n0 1 0\n3 0 1 2\n".into(),
-            "d.off, line 4: a y coordinate is not a finite 32-bit number; clean or rescale the mesh in the program \
+            "d.off, line 4: a y coordinate is not a finite 32-bit number; clean or rescale the data in the program \
              that made it",
         ),
         (

@@ -52,10 +52,10 @@ pub enum ReadErrorKind {
         /// What should have followed.
         expected: String,
     },
-    /// A coordinate is NaN, infinite or too large for 32-bit floating point.
-    #[error("{what} is not a finite 32-bit number; clean or rescale the mesh in the program that made it")]
+    /// A coordinate or height is NaN, infinite or too large for 32-bit floating point.
+    #[error("{what} is not a finite 32-bit number; clean or rescale the data in the program that made it")]
     NotFinite {
-        /// Which coordinate.
+        /// Which coordinate or height.
         what: &'static str,
     },
     /// A reference to an element that is not there.
@@ -93,12 +93,20 @@ pub enum ReadErrorKind {
         /// What the user can do.
         remedy: &'static str,
     },
+    /// An image that its decoder gives up on.
+    #[error("the {what} is damaged ({why}); copy, download or export it again")]
+    Damaged {
+        /// The format.
+        what: &'static str,
+        /// What the decoder says.
+        why: String,
+    },
     /// Compressed data that is damaged.
     #[error("the gzip data is damaged ({0}); copy or download it again")]
     Gzip(#[source] io::Error),
     /// Compressed data that grows beyond belief.
     #[error(
-        "inflates to more than {limit} bytes, {} times its size; if it really is a mesh, decompress it with gunzip first",
+        "inflates to more than {limit} bytes, {} times its size; if that is right, decompress it with gunzip first",
         super::MOST_INFLATION
     )]
     InflatesTooMuch {
@@ -108,6 +116,12 @@ pub enum ReadErrorKind {
     /// More vertices or triangles than 32-bit ids can name.
     #[error("has more {0} than 32 bits can count; split it into parts")]
     TooMany(&'static str),
+    /// A height field without heights.
+    #[error("all of its {samples} samples are missing; check the value that stands for missing ones")]
+    NoHeights {
+        /// Samples in the file.
+        samples: u64,
+    },
     /// Nothing to show.
     #[error("holds {vertices} vertices but no triangle{}", if *.vertices > 0 { "; a point cloud must be meshed first" } else { "" })]
     NoTriangles {

@@ -122,6 +122,20 @@ impl<'a> Scanner<'a> {
         if value.is_finite() { Ok(value) } else { Err(self.fail_at(start, ReadErrorKind::NotFinite { what })) }
     }
 
+    /// A finite 64-bit number.
+    pub fn f64(&mut self, what: &'static str) -> Result<f64, Fail> {
+        match fast_float2::parse_partial::<f64, _>(&self.bytes[self.at..]) {
+            Ok((value, len)) if self.ends_at(self.at + len) => {
+                if !value.is_finite() {
+                    return Err(self.fail(ReadErrorKind::NotFinite { what }));
+                }
+                self.at += len;
+                Ok(value)
+            }
+            _ => Err(self.unexpected(what)),
+        }
+    }
+
     /// An integer: a sign or none, and up to 18 digits. Something may stick to it.
     #[inline]
     pub fn integer(&mut self, what: &'static str) -> Result<i64, Fail> {
