@@ -199,3 +199,26 @@ fn defects_are_the_defects_they_name() {
     assert_eq!((c.euler, c.boundary_edges, c.flipped_edges), (2, 0, 0));
     assert!(c.volume > 0.0);
 }
+
+#[test]
+fn terrain_heights_are_hills_and_windows_of_one_terrain() {
+    let field = sample::terrain_heights(700, 500);
+    assert_eq!((field.columns, field.rows, field.heights.len()), (700, 500, 350_000));
+    assert!(field.heights.iter().all(|h| (0.0..2400.0).contains(h)));
+    let (least, most) = field.heights.iter().fold((f32::MAX, f32::MIN), |(a, b), &h| (a.min(h), b.max(h)));
+    assert!((300.0..1500.0).contains(&(most - least)), "{least} to {most}");
+    let window = sample::terrain_heights(33, 257);
+    assert!((0..257).all(|row| (0..33).all(|column| window.height(column, row) == field.height(column, row))));
+    // No seam shows between the cells of any lattice: slopes across are as along, and as inside.
+    let mean = |pairs: &mut dyn Iterator<Item = f32>| {
+        let (sum, count) = pairs.fold((0.0, 0), |(sum, count), d| (sum + f64::from(d.abs()), count + 1));
+        sum / f64::from(count) / 30.0
+    };
+    let slope = |a: (u32, u32), b: (u32, u32)| field.height(a.0, a.1) - field.height(b.0, b.1);
+    let across = mean(&mut (0..500).map(|row| slope((256, row), (255, row))));
+    let along = mean(&mut (1..500).map(|row| slope((256, row), (256, row - 1))));
+    let inside = mean(&mut (0..500).map(|row| slope((300, row), (299, row))));
+    for slope in [across, along, inside] {
+        assert!((0.03..0.2).contains(&slope), "slopes {across} {along} {inside}");
+    }
+}
