@@ -243,15 +243,16 @@ pub struct Bench {
 #[command(after_help = "\
 Examples:
   meshfront sample terrain -o terrain.ply --triangles 2000000
+  meshfront sample terrain -o terrain.tif --triangles 2000000     as heights, 30 m apart
   meshfront sample scan -o scan.ply && meshfront view scan.ply")]
 pub struct MakeSample {
     /// sphere, knot, terrain (fractal), or scan (noise and holes as a scanner makes them)
     #[arg(value_parser = clap::builder::PossibleValuesParser::new(Sample::ALL.map(Sample::name)))]
     pub name: String,
-    /// The mesh to write: .ply, .obj, .stl, .off or .glb
+    /// The mesh to write: .ply, .obj, .stl, .off or .glb; terrain also as heights: .tif, .asc or .png
     #[arg(short, long, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
-    /// About how many triangles
+    /// About how many triangles; as heights, two for four neighbouring samples
     #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = sample_size)]
     pub triangles: usize,
     /// Replace the output if it exists

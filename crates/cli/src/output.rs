@@ -4,7 +4,8 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use meshfront::TriangleMesh;
-use meshfront::mesh::io::{self, Format};
+use meshfront::mesh::HeightField;
+use meshfront::mesh::io::{self, Format, height};
 
 use crate::interrupt;
 
@@ -57,6 +58,15 @@ pub fn check_mesh_name(output: &Path) -> Result<()> {
 /// Writes a mesh.
 pub fn write_mesh(output: &Path, mesh: &TriangleMesh, overwrite: bool) -> Result<u64> {
     interrupt::uninterrupted(|| io::write(output, mesh, io::WriteOptions { overwrite }))?;
-    let length = output.metadata().with_context(|| format!("{}: vanished", output.display()))?.len();
-    Ok(length)
+    length(output)
+}
+
+/// Writes a height field.
+pub fn write_heights(output: &Path, field: &HeightField, overwrite: bool) -> Result<u64> {
+    interrupt::uninterrupted(|| height::write(output, field, io::WriteOptions { overwrite }))?;
+    length(output)
+}
+
+fn length(output: &Path) -> Result<u64> {
+    Ok(output.metadata().with_context(|| format!("{}: vanished", output.display()))?.len())
 }

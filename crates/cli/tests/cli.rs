@@ -266,6 +266,8 @@ fn bad_usage_exits_with_2() {
         ("sample cube -o a.ply", "sphere"),
         ("sample sphere -o a.txt", ".ply, .obj"),
         ("sample sphere -o a.ply --triangles 0", "1 to"),
+        ("sample sphere -o a.tif", "only terrain has them"),
+        ("sample terrain -o a.dem", ".tif, .asc or .png"),
         ("completions tcsh", "possible values"),
     ] {
         let ran = bench.run(line);
@@ -276,12 +278,27 @@ fn bad_usage_exits_with_2() {
 }
 
 #[test]
+fn terrain_is_written_as_heights() {
+    let bench = Bench::new();
+    for name in ["t.tif", "t.asc", "t.png", "t.asc.gz"] {
+        let ran = bench.ok(&format!("sample terrain -o {name} --triangles 5000"));
+        assert!(ran.err.starts_with(&format!("{name}: 51 × 51 heights, 2,601 samples")), "{}", ran.err);
+    }
+    let magic = |name: &str| std::fs::read(bench.path(name)).unwrap()[..4].to_vec();
+    assert_eq!(
+        (&magic("t.tif")[..], &magic("t.png")[..], &magic("t.asc")[..]),
+        (&b"II*\0"[..], &b"\x89PNG"[..], &b"ncol"[..])
+    );
+}
+
+#[test]
 fn existing_outputs_are_kept_unless_forced() {
     let bench = Bench::with_scan(1_500);
     for (line, output) in [
         ("build scan.ply -o keep.front", "keep.front"),
         ("extract scan.front -o keep.ply --error 1%", "keep.ply"),
         ("sample sphere -o keep.obj --triangles 100", "keep.obj"),
+        ("sample terrain -o keep.tif --triangles 100", "keep.tif"),
     ] {
         std::fs::write(bench.path(output), "precious").unwrap();
         bench.run(line).failed(1, &[output, "exists already", "--force"]);
