@@ -1,0 +1,10 @@
+//! The GeoTIFF reader.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use meshfront_mesh::io::height::HeightFormat;
+
+#[path = "../height.rs"]
+mod height;
+
+fuzz_target!(|bytes: &[u8]| height::check(bytes, HeightFormat::GeoTiff));
