@@ -38,15 +38,17 @@ pub enum Command {
     Completions(Completions),
 }
 
-/// Read a mesh, simplify it with measured errors, and write the hierarchy
+/// Read a mesh or heights, build the hierarchy with measured errors, and write it
 ///
-/// SOURCE is OFF, OBJ, PLY, STL, glTF or GLB, also as .gz.
+/// SOURCE is a mesh (OFF, OBJ, PLY, STL, glTF or GLB, also as .gz) or heights over a grid (GeoTIFF, PNG of 8 or 16 bits,
+/// USGS DEM or ESRI ASCII grid, the last two also as .gz).
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   meshfront build dragon.ply.gz -o dragon.front
   meshfront build part.stl -o part.front --bits 20     finer coordinates, a larger file
-  meshfront build part.stl -o part.front --lossless    every coordinate as it was")]
+  meshfront build part.stl -o part.front --lossless    every coordinate as it was
+  meshfront build helens.dem -o helens.front --exaggeration 1.5")]
 pub struct Build {
     #[arg(value_hint = ValueHint::FilePath)]
     pub source: PathBuf,
@@ -54,12 +56,36 @@ pub struct Build {
     #[arg(short, long, value_name = "FILE.front", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
     #[command(flatten)]
-    pub precision: Precision,
-    #[command(flatten)]
-    pub threads: Threads,
+    pub recipe: Recipe,
     /// Replace the output if it exists
     #[arg(short, long)]
     pub force: bool,
+}
+
+/// How to build.
+#[derive(Args, Clone, Copy)]
+pub struct Recipe {
+    /// The multiresolution model
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = Choice::Auto)]
+    pub model: Choice,
+    #[command(flatten)]
+    pub precision: Precision,
+    /// Heights only: how many times too high to make the terrain
+    #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = exaggeration)]
+    pub exaggeration: f32,
+    #[command(flatten)]
+    pub threads: Threads,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
+#[value(rename_all = "snake_case")]
+pub enum Choice {
+    /// Right triangles for heights, edge collapse for meshes
+    Auto,
+    /// Any mesh, non-manifold ones too; as a mesh, heights as well
+    EdgeCollapse,
+    /// Heights over a grid: errors are the true vertical distance
+    RightTriangles,
 }
 
 #[derive(Args, Clone, Copy)]
@@ -79,9 +105,31 @@ pub struct Threads {
     pub threads: Option<u16>,
 }
 
-impl Threads {
-    pub const AUTO: Threads = Threads { threads: None };
+impl Recipe {
+    /// As if nothing had been asked for.
+    pub const PLAIN: Recipe = Recipe {
+        model: Choice::Auto,
+        precision: Precision { bits: 16, lossless: false },
+        exaggeration: 1.0,
+        threads: Threads { threads: None },
+    };
+}
 
+impl Precision {
+    /// `None`: lossless.
+    pub fn bits(self) -> Option<u32> {
+        (!self.lossless).then_some(self.bits)
+    }
+}
+
+fn exaggeration(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
+        _ => Err("a positive number; 1 leaves heights as they are".into()),
+    }
+}
+
+impl Threads {
     pub fn pool(self) -> anyhow::Result<rayon::ThreadPool> {
         Ok(rayon::ThreadPoolBuilder::new().num_threads(self.threads.map_or(0, usize::from)).build()?)
     }

@@ -3,8 +3,7 @@
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
-use meshfront::refine::MultiTessellation;
-use meshfront::{EdgeCollapse, Everything, Front, Outcome, Request, fly_by};
+use meshfront::{Everything, Front, LiveMesh, Outcome, Request, TriangleModel, fly_by, with_model};
 use serde::Serialize;
 
 use crate::args::Bench;
@@ -87,28 +86,33 @@ pub fn run(args: &Bench, quiet: bool) -> Result<()> {
     let phases = Phases::new(quiet);
     phases.start("read");
     let hierarchy = input::hierarchy(&args.file)?;
-    if hierarchy.is_empty() {
+    let report = with_model!(&hierarchy, h => measure(h, args, &phases)?);
+    phases.finish();
+    if args.json { text::print_json(&report) } else { text::print(&in_words(&report)) }
+}
+
+fn measure<H: TriangleModel>(hierarchy: &H, args: &Bench, phases: &Phases) -> Result<Report> {
+    let updates = hierarchy.updates().count();
+    if updates == 0 {
         bail!("{}: has no updates, so there is nothing to measure", args.file.display());
     }
     phases.start("fly-by");
-    let fly_by = middle((0..RUNS).map(|_| fly(&hierarchy)), |f| f.ms.mean);
+    let fly_by = middle((0..RUNS).map(|_| fly(hierarchy)), |f| f.ms.mean);
     phases.start("top-down");
-    let top_down = middle((0..RUNS).map(|_| refine_fully(&hierarchy)), |t| t.ms);
+    let top_down = middle((0..RUNS).map(|_| refine_fully(hierarchy)), |t| t.ms);
     phases.start("jump");
-    let camera_jump = jump(&hierarchy)?;
-    let memory = weigh(&hierarchy);
-    phases.finish();
-    let report = Report {
+    let camera_jump = jump(hierarchy)?;
+    let memory = weigh(hierarchy);
+    Ok(Report {
         file: args.file.display().to_string(),
         source_vertices: hierarchy.source().vertices,
         source_triangles: hierarchy.source().triangles,
-        updates: hierarchy.len(),
+        updates,
         fly_by,
         top_down,
         camera_jump,
         memory,
-    };
-    if args.json { text::print_json(&report) } else { text::print(&in_words(&report)) }
+    })
 }
 
 /// The run whose key is the median.
@@ -123,13 +127,13 @@ fn ms(time: Duration) -> f64 {
 }
 
 /// Calls the engine until it has nothing left to do.
-fn settle(front: &mut Front<EdgeCollapse>, hierarchy: &EdgeCollapse, frame: u32) {
+fn settle<H: TriangleModel>(front: &mut Front<H>, hierarchy: &H, frame: u32) {
     let criterion = fly_by::criterion(hierarchy.bounds(), frame);
     while !front.adapt(hierarchy, &criterion, &Request::tolerance(fly_by::TOLERANCE_PX)).settled {}
-    front.mesh_mut().buffers.clear_changes();
+    front.mesh_mut().buffers_mut().clear_changes();
 }
 
-fn fly(hierarchy: &EdgeCollapse) -> FlyBy {
+fn fly<H: TriangleModel>(hierarchy: &H) -> FlyBy {
     let mut front = Front::new(hierarchy);
     settle(&mut front, hierarchy, 0);
     let frames: Vec<(Duration, Outcome)> = (0..fly_by::FRAMES)
@@ -138,7 +142,7 @@ fn fly(hierarchy: &EdgeCollapse) -> FlyBy {
             let start = Instant::now();
             let outcome = front.adapt(hierarchy, &criterion, &Request::tolerance(fly_by::TOLERANCE_PX));
             let time = start.elapsed();
-            front.mesh_mut().buffers.clear_changes();
+            front.mesh_mut().buffers_mut().clear_changes();
             (time, outcome)
         })
         .collect();
@@ -168,7 +172,7 @@ impl Times {
     }
 }
 
-fn refine_fully(hierarchy: &EdgeCollapse) -> TopDown {
+fn refine_fully<H: TriangleModel>(hierarchy: &H) -> TopDown {
     let mut front = Front::new(hierarchy);
     let start = Instant::now();
     front.top_down(hierarchy, &Everything, &Request::tolerance(0.0));
@@ -178,7 +182,7 @@ fn refine_fully(hierarchy: &EdgeCollapse) -> TopDown {
 }
 
 /// Jumps between the flight's farthest and nearest views, and between two sides.
-fn jump(hierarchy: &EdgeCollapse) -> Result<CameraJump> {
+fn jump<H: TriangleModel>(hierarchy: &H) -> Result<CameraJump> {
     let views = [0, fly_by::FRAMES / 2, fly_by::FRAMES / 4, 3 * fly_by::FRAMES / 4, fly_by::FRAMES / 2, 0];
     let mut front = Front::new(hierarchy);
     settle(&mut front, hierarchy, views[0]);
@@ -192,7 +196,7 @@ fn jump(hierarchy: &EdgeCollapse) -> Result<CameraJump> {
             let start = Instant::now();
             let outcome = front.adapt(hierarchy, &criterion, &request);
             let time = start.elapsed();
-            front.mesh_mut().buffers.clear_changes();
+            front.mesh_mut().buffers_mut().clear_changes();
             (frames, engine) = (frames + 1, engine + time);
             overshoot = overshoot.max(time.saturating_sub(budget));
             if outcome.settled {
@@ -214,16 +218,16 @@ fn jump(hierarchy: &EdgeCollapse) -> Result<CameraJump> {
     })
 }
 
-fn weigh(hierarchy: &EdgeCollapse) -> Memory {
+fn weigh<H: TriangleModel>(hierarchy: &H) -> Memory {
     let mut front = Front::new(hierarchy);
     front.top_down(hierarchy, &Everything, &Request::tolerance(0.0));
     let hierarchy_bytes = hierarchy.memory_bytes();
     let front_bytes = front.memory() + front.mesh().memory_bytes();
     Memory {
         hierarchy_bytes,
-        bytes_per_update: hierarchy_bytes as f64 / hierarchy.len() as f64,
+        bytes_per_update: hierarchy_bytes as f64 / hierarchy.updates().count() as f64,
         front_bytes,
-        bytes_per_active_vertex: front_bytes as f64 / front.mesh().vertices() as f64,
+        bytes_per_active_vertex: front_bytes as f64 / front.mesh().buffers().live_vertices() as f64,
     }
 }
 

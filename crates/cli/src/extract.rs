@@ -3,8 +3,8 @@
 use anyhow::{Result, bail};
 use meshfront::compare::Surface;
 use meshfront::refine::criteria::{Region, Scale, Uniform};
-use meshfront::refine::{Camera, Criterion, MultiTessellation, Request, ViewOptions, view};
-use meshfront::{EdgeCollapse, Extracted, extract, extract_cells};
+use meshfront::refine::{Camera, Criterion, Request, ViewOptions, view};
+use meshfront::{Extracted, Hierarchy, extract, extract_cells, with_model};
 
 use crate::args::{Extract, Tolerance};
 use crate::progress::Phases;
@@ -19,13 +19,13 @@ pub fn run(args: &Extract, quiet: bool) -> Result<()> {
     phases.start("refine");
     let wanted = Wanted::of(args, &hierarchy);
     let extracted = match wanted.request.max_cells {
-        Some(most) if args.region.is_none() => extract_cells(&hierarchy, most),
-        _ => extract(&hierarchy, &wanted.criterion, &wanted.request),
+        Some(most) if args.region.is_none() => with_model!(&hierarchy, h => extract_cells(h, most)),
+        _ => with_model!(&hierarchy, h => extract(h, &wanted.criterion, &wanted.request)),
     };
     if let Some(most) = wanted.request.max_cells
         && extracted.mesh.triangles.len() > most
     {
-        let least = text::count(hierarchy.base_mesh().triangles.len() as u64);
+        let least = text::count(hierarchy.base_triangles() as u64);
         bail!("{}: {most} triangles cannot be had: the base mesh has {least}", args.file.display());
     }
     let promise = promise(args, &hierarchy, &extracted);
@@ -53,7 +53,7 @@ struct Wanted {
 }
 
 impl Wanted {
-    fn of(args: &Extract, hierarchy: &EdgeCollapse) -> Wanted {
+    fn of(args: &Extract, hierarchy: &Hierarchy) -> Wanted {
         let diagonal = hierarchy.bounds().diagonal();
         // Tolerances are divided by each other below: an error of exactly 0 is as good as one far below rounding.
         let least = f32::MIN_POSITIVE.max(1e-12 * diagonal);
@@ -91,7 +91,7 @@ fn camera(args: &Extract, diagonal: f32) -> Option<Camera> {
 }
 
 /// What the file may be relied on for, in words.
-fn promise(args: &Extract, hierarchy: &EdgeCollapse, extracted: &Extracted) -> String {
+fn promise(args: &Extract, hierarchy: &Hierarchy, extracted: &Extracted) -> String {
     let diagonal = hierarchy.bounds().diagonal();
     let floor = hierarchy.floor_error();
     let length = |error: f32| {

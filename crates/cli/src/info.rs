@@ -3,9 +3,11 @@
 use std::path::Path;
 
 use anyhow::Result;
-use meshfront::mesh::Bounds;
+use glam::DVec2;
 use meshfront::mesh::io::ReadReport;
-use meshfront::{Survey, format, survey};
+use meshfront::mesh::io::height::is_height_format;
+use meshfront::mesh::{Bounds, Unit};
+use meshfront::{Hierarchy, RightTriangles, Survey, format, survey};
 use serde_json::json;
 
 use crate::args::Info;
@@ -28,12 +30,18 @@ fn hierarchy(path: &Path, as_json: bool) -> Result<()> {
         value["kind"] = "hierarchy".into();
         value["bounds"] = json!({ "min": bounds.min.to_array(), "max": bounds.max.to_array(), "diagonal": diagonal });
         value["memory_bytes"] = memory.into();
+        value["base_triangles"] = hierarchy.base_triangles().into();
+        value["base_error"] = hierarchy.base_error().into();
+        value["updates"] = hierarchy.update_count().into();
         return text::print_json(&value);
     }
     let relative = |error: f32| if diagonal > 0.0 { text::percent(error as f64 / diagonal) } else { "0 %".into() };
+    let base_error = hierarchy.base_error();
+    let updates = hierarchy.update_count() as u64;
     let error = |e: f32| format!("{} ({} of the diagonal)", text::length(e as f64), relative(e));
     let precision = match (info.bits, info.grid_step) {
         (Some(bits), Some(step)) => format!("{bits} bits per coordinate, a grid of {}", text::length(step)),
+        (None, Some(step)) => format!("heights in steps of {}", text::length(step)),
         _ => "lossless".into(),
     };
     let attributes = match (info.normals, info.colors) {
@@ -42,29 +50,52 @@ fn hierarchy(path: &Path, as_json: bool) -> Result<()> {
         (false, true) => "colours",
         (true, true) => "normals, colours",
     };
-    let per = |bytes: u64, n: u32| format!("{:.2}", bytes as f64 / n.max(1) as f64);
-    text::print(&rows(&[
+    let per = |bytes: u64, n: u64| format!("{:.2}", bytes as f64 / n.max(1) as f64);
+    let mut lines = vec![
         ("file", format!("{}: .front version {}, model {}", path.display(), info.version, info.model)),
         ("source", sizes(info.source_vertices, info.source_triangles)),
-        ("base mesh", sizes(info.base_vertices, info.base_triangles)),
-        ("updates", text::count(info.updates)),
+        ("base mesh", format!("{} triangles", text::count(hierarchy.base_triangles() as u64))),
+        ("updates", text::count(updates)),
         ("positions", precision),
         ("attributes", attributes.into()),
         ("bounds", bounds_text(&bounds)),
-        ("error, base mesh", error(info.base_error)),
+        ("error, base mesh", error(base_error)),
         ("error, full mesh", error(info.floor_error)),
         (
             "size",
-            format!("{}, {} bytes per source vertex", text::bytes(info.bytes), per(info.bytes, info.source_vertices)),
+            format!(
+                "{}, {} bytes per source vertex",
+                text::bytes(info.bytes),
+                per(info.bytes, info.source_vertices.into())
+            ),
         ),
         ("first look", format!("{} hold the header and the base mesh", text::bytes(info.head_bytes))),
         ("pages", text::count(info.pages.len() as u64)),
-        ("in memory", format!("{}, {} bytes per update", text::bytes(memory as u64), per(memory as u64, info.updates))),
-    ]))
+        ("in memory", format!("{}, {} bytes per update", text::bytes(memory as u64), per(memory as u64, updates))),
+    ];
+    if let Hierarchy::RightTriangles(terrain) = &hierarchy {
+        lines.extend(place(terrain));
+    }
+    text::print(&rows(&lines))
+}
+
+/// Where a terrain is.
+fn place(terrain: &RightTriangles) -> Vec<(&'static str, String)> {
+    let (place, [columns, rows]) = (terrain.place(), terrain.samples());
+    let DVec2 { x, y } = place.origin;
+    let unit = |unit: Unit| format!("{unit:?}").to_lowercase();
+    vec![
+        ("samples", format!("{} × {}", text::count(columns), text::count(rows))),
+        ("origin", format!("{x}, {y} ({}), where the mesh has 0, 0", unit(place.horizontal))),
+        ("heights", format!("{} in the source; in the mesh metres times {}", unit(place.vertical), place.exaggeration)),
+    ]
 }
 
 fn source(path: &Path, as_json: bool, quiet: bool) -> Result<()> {
     let phases = Phases::new(quiet);
+    if is_height_format(path) {
+        return heights(path, as_json, &phases);
+    }
     let source = input::mesh(path, input::Seams::Keep, &phases)?;
     phases.start("survey");
     let survey = survey(&source.mesh);
@@ -101,6 +132,41 @@ fn source(path: &Path, as_json: bool, quiet: bool) -> Result<()> {
         lines.push(("bounds", bounds_text(&bounds)));
     }
     text::print(&rows(&lines))
+}
+
+/// A height field.
+fn heights(path: &Path, as_json: bool, phases: &Phases) -> Result<()> {
+    let source = input::heights(path, phases)?;
+    phases.finish();
+    let field = &source.field;
+    let there = field.heights.iter().filter(|h| !h.is_nan());
+    let (low, high) = there.fold((f32::MAX, f32::MIN), |(low, high), &h| (low.min(h), high.max(h)));
+    let metres = field.spacing_metres();
+    if as_json {
+        return text::print_json(&json!({
+            "file": path.display().to_string(),
+            "kind": "heights",
+            "columns": field.columns,
+            "rows": field.rows,
+            "missing": field.missing(),
+            "lowest": low,
+            "highest": high,
+            "step": field.step,
+            "origin": field.origin.to_array(),
+            "spacing": field.spacing.to_array(),
+            "spacing_metres": metres.to_array(),
+            "horizontal": format!("{:?}", field.horizontal).to_lowercase(),
+            "vertical": format!("{:?}", field.vertical).to_lowercase(),
+        }));
+    }
+    text::print(&rows(&[
+        ("file", format!("{}: {}", path.display(), source.report)),
+        ("samples", format!("{} × {}", text::count(field.columns), text::count(field.rows))),
+        ("missing", text::count(field.missing() as u64)),
+        ("heights", format!("{low} to {high}")),
+        ("origin", format!("{}, {} (north-west)", field.origin.x, field.origin.y)),
+        ("spacing", format!("{} × {} metres", text::length(metres.x), text::length(metres.y))),
+    ]))
 }
 
 fn survey_json(survey: &Survey) -> serde_json::Value {

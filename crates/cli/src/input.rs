@@ -6,9 +6,10 @@ use std::path::Path;
 
 use anyhow::{Context, Result};
 use meshfront::format;
+use meshfront::mesh::io::height::{self, HeightSource, is_height_format};
 use meshfront::mesh::io::{self, Phase, ReadOptions, Source};
 use meshfront::simplify::Progress;
-use meshfront::{EdgeCollapse, TriangleMesh};
+use meshfront::{Hierarchy, TriangleMesh, with_model};
 
 use crate::progress::Phases;
 
@@ -22,7 +23,7 @@ pub fn is_front(path: &Path) -> Result<bool> {
 }
 
 /// Reads a hierarchy.
-pub fn hierarchy(path: &Path) -> Result<EdgeCollapse> {
+pub fn hierarchy(path: &Path) -> Result<Hierarchy> {
     Ok(format::read(path)?)
 }
 
@@ -35,10 +36,10 @@ pub enum Seams {
     Weld,
 }
 
-/// Reads a mesh.
-pub fn mesh(path: &Path, seams: Seams, phases: &Phases) -> Result<Source> {
+/// Shows how far a reader is.
+fn follow(phases: &Phases) -> impl FnMut(io::Progress) {
     let mut phase = None;
-    let mut progress = |at: io::Progress| {
+    move |at: io::Progress| {
         if phase.replace(at.phase) != Some(at.phase) {
             let name = match at.phase {
                 Phase::Decompress => "decompress",
@@ -48,18 +49,34 @@ pub fn mesh(path: &Path, seams: Seams, phases: &Phases) -> Result<Source> {
             phases.phase(name, "bytes", at.total);
         }
         phases.at(at.done);
-    };
+    }
+}
+
+/// What names of height fields end with, for messages.
+pub const HEIGHT_ENDINGS: &str = ".tif, .png, .dem or .asc";
+
+/// Reads a height field.
+pub fn heights(path: &Path, phases: &Phases) -> Result<HeightSource> {
+    Ok(height::read_with(path, Some(&mut follow(phases)))?)
+}
+
+/// Reads a mesh.
+pub fn mesh(path: &Path, seams: Seams, phases: &Phases) -> Result<Source> {
+    let mut progress = follow(phases);
     Ok(io::read_with(
         path,
         ReadOptions { weld_seams: seams == Seams::Weld, progress: Some(&mut progress), ..ReadOptions::default() },
     )?)
 }
 
-/// Reads a mesh, or the finest mesh of a hierarchy.
+/// Reads a mesh, the surface of a height field, or the finest mesh of a hierarchy.
 pub fn any_mesh(path: &Path, phases: &Phases) -> Result<TriangleMesh> {
+    if is_height_format(path) {
+        return Ok(heights(path, phases)?.field.to_mesh(1.0));
+    }
     if !is_front(path)? {
         return Ok(mesh(path, Seams::Keep, phases)?.mesh);
     }
     phases.start("read");
-    Ok(meshfront::finest(&hierarchy(path)?))
+    Ok(with_model!(&hierarchy(path)?, h => meshfront::finest(h)))
 }

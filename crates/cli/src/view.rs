@@ -17,7 +17,7 @@ use rust_embed::RustEmbed;
 use serde_json::json;
 use tower_http::services::ServeFile;
 
-use crate::args::{Precision, Threads, View};
+use crate::args::{Recipe, View};
 use crate::progress::Phases;
 use crate::{build, input, interrupt, text};
 
@@ -46,9 +46,8 @@ pub fn run(args: &View, quiet: bool) -> Result<()> {
         interrupt::remove_when_interrupted(folder.path());
         let front = folder.path().join("model.front");
         let phases = Phases::new(quiet);
-        let precision = Precision { bits: 16, lossless: false };
-        let (columns, _) = build::columns_of(&args.file, precision, Threads::AUTO, &phases)?;
-        interrupt::uninterrupted(|| format::write_columns(&front, &columns, &format::WriteOptions::default()))?;
+        let built = build::build(&args.file, &Recipe::PLAIN, &phases)?;
+        interrupt::uninterrupted(|| format::write(&front, &built.stored, &format::WriteOptions::default()))?;
         phases.finish();
         if !quiet {
             let path = args.file.display();

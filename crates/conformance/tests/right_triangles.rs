@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 use meshfront_conformance::{Source, check};
-use meshfront_hierarchies::RightTriangles;
+use meshfront_hierarchies::{RightTriangles, TriangleModel};
 use meshfront_mesh::{HeightField, Unit};
 use meshfront_refine::MultiTessellation;
 use meshfront_simplify::{RightTrianglesOptions, right_triangles};

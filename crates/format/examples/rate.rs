@@ -4,7 +4,7 @@
 
 use std::time::Instant;
 
-use meshfront_format::{decode, encode, inspect};
+use meshfront_format::edge_collapse::{decode, encode, inspect};
 
 fn main() {
     let mut args = std::env::args().skip(1);

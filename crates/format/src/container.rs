@@ -127,16 +127,8 @@ pub(crate) fn u64_at(bytes: &[u8], at: usize) -> u64 {
     u64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight bytes"))
 }
 
-/// The sections of a file of `model`, in order; those that may be passed over are, if not among `known`.
-///
-/// When this returns, every byte of the file has been covered by a checksum that was right, and the sections lie one
-/// after the other without gaps. Nothing is allocated but the list of sections.
-pub(crate) fn open<'a>(
-    bytes: &'a [u8],
-    file: &str,
-    model: &'static str,
-    known: &[&'static str],
-) -> Result<Vec<Section<'a>>, ReadError> {
+/// Checks the header and the table of sections; gives the model's name and the number of sections.
+pub(crate) fn open_header<'a>(bytes: &'a [u8], file: &str) -> Result<(&'a str, usize), ReadError> {
     let length_error = |expected: u64| ReadError::Length { file: file.into(), found: bytes.len() as u64, expected };
     let header_fault = |offset, reason| Fault { section: "header", offset, reason }.in_file(file);
     if bytes.len() < MAGIC.len() || bytes[..MAGIC.len()] != MAGIC {
@@ -166,19 +158,28 @@ pub(crate) fn open<'a>(
     }
     let name = &bytes[24..24 + MODEL_LENGTH];
     let name = &name[..name.iter().position(|&b| b == 0).unwrap_or(MODEL_LENGTH)];
-    if name != model.as_bytes() {
-        let model_found = String::from_utf8_lossy(name).into_owned();
-        return Err(ReadError::UnknownModel { file: file.into(), model: model_found, known: model });
-    }
+    let name = std::str::from_utf8(name).map_err(|_| header_fault(24, "the model's name is not text"))?;
+    Ok((name, count as usize))
+}
+
+/// The sections of a file, in order; those that may be passed over are, if not among `known`.
+///
+/// When this returns, every byte of the file has been covered by a checksum that was right, and the sections lie one
+/// after the other without gaps. Nothing is allocated but the list of sections.
+pub(crate) fn open<'a>(bytes: &'a [u8], file: &str, known: &[&'static str]) -> Result<Vec<Section<'a>>, ReadError> {
+    let (_, count) = open_header(bytes, file)?;
+    let length_error = |expected: u64| ReadError::Length { file: file.into(), found: bytes.len() as u64, expected };
+    let header_fault = |offset, reason| Fault { section: "header", offset, reason }.in_file(file);
+    let start = HEADER_LENGTH + ROW_LENGTH * count;
     let unknown = |section: String, what: String| ReadError::UnknownPart { file: file.into(), section, what };
     let flags = u32_at(bytes, 48);
     if flags != 0 {
         return Err(unknown("header".into(), format!("flags {flags:#x}")));
     }
 
-    let mut sections = Vec::with_capacity(count as usize);
+    let mut sections = Vec::with_capacity(count);
     let mut end = start;
-    for row in 0..count as usize {
+    for row in 0..count {
         let at = HEADER_LENGTH + ROW_LENGTH * row;
         let letters = &bytes[at..at + 4];
         let (offset, length) = (u64_at(bytes, at + 8), u64_at(bytes, at + 16));

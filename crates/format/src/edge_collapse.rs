@@ -9,7 +9,8 @@
 //! and every page can be fetched, checked and unpacked by itself. Only the sums along the splits run through all pages.
 
 use glam::{DVec3, Vec3};
-use meshfront_hierarchies::edge_collapse::{Columns, Grid, Oct, SourceCounts};
+use meshfront_hierarchies::SourceCounts;
+use meshfront_hierarchies::edge_collapse::{Columns, Grid, Oct};
 #[cfg(feature = "write")]
 use meshfront_hierarchies::edge_collapse::{InvalidColumns, round_error_up};
 use meshfront_mesh::{TriangleMesh, VertexColumns, VertexId};
@@ -25,16 +26,17 @@ use crate::rans::{Decoder, decode_int, int_models};
 #[cfg(feature = "write")]
 use crate::rans::{Encoder, encode_int};
 use attributes::{Attribute, value_of};
-use lattice::{Lattice, of_ordered_bits, split_from_residual};
 #[cfg(feature = "write")]
-use lattice::{ordered_bits, split_residual};
+use lattice::split_residual;
+use lattice::{Lattice, split_from_residual};
 
 mod attributes;
 mod info;
 mod lattice;
 mod page;
 
-pub use info::{ColumnInfo, Info, PageInfo, SectionInfo, inspect};
+pub use info::inspect;
+pub(crate) use lattice::{of_ordered_bits, ordered_bits};
 
 /// The model's name in the header.
 pub const MODEL: &str = "edge_collapse";
@@ -579,7 +581,7 @@ struct Opened<'a> {
 
 impl<'a> Opened<'a> {
     fn new(bytes: &'a [u8], file: &str) -> Result<Opened<'a>, ReadError> {
-        let sections = container::open(bytes, file, MODEL, &SECTIONS)?;
+        let sections = container::open(bytes, file, &SECTIONS)?;
         let missing = |name| Fault { section: name, offset: 0, reason: "is missing" }.in_file(file);
         let get = |name: &str| sections.iter().find(|s| s.name == name).copied();
         let meta = decode_meta(get("META").ok_or_else(|| missing("META"))?).map_err(|f| f.in_file(file))?;

@@ -2,7 +2,11 @@
 
 use std::path::PathBuf;
 
+use meshfront_hierarchies::InvalidStored;
+#[cfg(feature = "write")]
 use meshfront_hierarchies::edge_collapse::InvalidColumns;
+#[cfg(feature = "write")]
+use meshfront_hierarchies::right_triangles::InvalidHeights;
 
 /// Why a `.front` file could not be read.
 #[derive(Debug, thiserror::Error)]
@@ -32,14 +36,14 @@ pub enum ReadError {
         known: u32,
     },
     /// The file holds a hierarchy of another model.
-    #[error("{file}: holds a hierarchy of model `{model}`, this program knows `{known}`; update Meshfront to read it")]
+    #[error("{file}: holds a hierarchy of model `{model}`, this program knows {known}; update Meshfront to read it")]
     UnknownModel {
         /// The file.
         file: String,
         /// The file's model.
         model: String,
-        /// The model that is known here.
-        known: &'static str,
+        /// The models that are known here.
+        known: String,
     },
     /// The file needs an ability that this reader does not have: a section, a codec or a flag.
     #[error("{file}: section `{section}` needs {what}, which this program does not know; update Meshfront to read it")]
@@ -79,7 +83,7 @@ pub enum ReadError {
         /// The file.
         file: String,
         /// The column or update concerned.
-        source: InvalidColumns,
+        source: InvalidStored,
     },
 }
 
@@ -90,6 +94,9 @@ pub enum EncodeError {
     /// The columns do not describe a hierarchy.
     #[error(transparent)]
     Columns(#[from] InvalidColumns),
+    /// The heights are no terrain.
+    #[error(transparent)]
+    Heights(#[from] InvalidHeights),
     /// The grid cannot hold any position.
     #[error("grid: {0}")]
     Grid(&'static str),

@@ -2,23 +2,23 @@
 
 use std::path::Path;
 
-use meshfront_hierarchies::EdgeCollapse;
+use meshfront_hierarchies::Hierarchy;
 #[cfg(feature = "write")]
-use meshfront_hierarchies::edge_collapse::Columns;
+use meshfront_hierarchies::Stored;
 
 #[cfg(feature = "write")]
 use crate::error::WriteError;
 use crate::{Info, ReadError, decode, inspect};
 
-/// Reads a file and checks everything: bytes, columns, and that every split can be applied.
+/// Reads a file and checks everything: bytes, columns, and that they are a hierarchy.
 ///
 /// # Errors
 /// [`ReadError`], which names the file, the place and what to do.
-pub fn read(path: impl AsRef<Path>) -> Result<EdgeCollapse, ReadError> {
+pub fn read(path: impl AsRef<Path>) -> Result<Hierarchy, ReadError> {
     let (bytes, file) = load(path.as_ref())?;
     let columns = decode(&bytes, &file)?;
     drop(bytes);
-    EdgeCollapse::new(columns).map_err(|source| ReadError::Hierarchy { file, source })
+    Hierarchy::new(columns).map_err(|source| ReadError::Hierarchy { file, source })
 }
 
 /// What a file holds: [`inspect`] of all its bytes.
@@ -51,7 +51,7 @@ pub struct Written {
     pub bytes: u64,
 }
 
-/// Writes a hierarchy's columns. The file appears under its name when all of it is on disk; until then an old file of
+/// Writes what is stored of a hierarchy. The file appears under its name when all of it is on disk; until then an old file of
 /// that name stays as it was.
 ///
 /// Everything is packed in memory first, then written to a hidden file in the same folder, synchronised and renamed.
@@ -61,16 +61,7 @@ pub struct Written {
 /// [`WriteError`]: the file exists and is not to be replaced (asked before any work), the columns cannot be stored,
 /// or the system refuses.
 #[cfg(feature = "write")]
-pub fn write(path: impl AsRef<Path>, hierarchy: &EdgeCollapse, options: &WriteOptions) -> Result<Written, WriteError> {
-    write_columns(path, &hierarchy.columns(), options)
-}
-
-/// As [`write`], from the stored columns alone: who only builds a file need not derive the rest.
-///
-/// # Errors
-/// As [`write`].
-#[cfg(feature = "write")]
-pub fn write_columns(path: impl AsRef<Path>, columns: &Columns, options: &WriteOptions) -> Result<Written, WriteError> {
+pub fn write(path: impl AsRef<Path>, stored: &Stored, options: &WriteOptions) -> Result<Written, WriteError> {
     use std::io::Write;
     let path = path.as_ref();
     let exists = || WriteError::Exists { path: path.to_owned() };
@@ -78,7 +69,7 @@ pub fn write_columns(path: impl AsRef<Path>, columns: &Columns, options: &WriteO
     if !options.overwrite && path.symlink_metadata().is_ok() {
         return Err(exists());
     }
-    let bytes = crate::encode(columns)?;
+    let bytes = crate::encode(stored)?;
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

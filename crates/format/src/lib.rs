@@ -1,31 +1,83 @@
-//! The `.front` file: bytes to validated hierarchy and back.
+//! The `.front` file: bytes to validated hierarchy and back, for hierarchies of any model.
 //!
 //! ```no_run
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! use meshfront_format::{WriteOptions, read, write};
 //! let hierarchy = read("dragon.front")?;
-//! write("copy.front", &hierarchy, &WriteOptions { overwrite: true })?;
+//! write("copy.front", &hierarchy.stored(), &WriteOptions { overwrite: true })?;
 //! # Ok(()) }
 //! ```
 //!
 //! Without the feature `write` (a browser reads only) what is left compiles to
-//! wasm: [`decode`] and [`inspect`] take bytes from anywhere. The layout is in `docs/format.md`.
+//! wasm: [`decode`] and [`inspect`] take bytes from anywhere. The layout is in `docs/format.md`; each model has a module
+//! for its sections.
+
+use meshfront_hierarchies::{Model, Stored};
 
 mod container;
-mod edge_collapse;
+pub mod edge_collapse;
 mod error;
 mod file;
+mod info;
 mod parallel;
 mod rans;
+pub mod right_triangles;
 
 pub use container::{Codec, MAGIC, VERSION};
-#[cfg(feature = "write")]
-pub use edge_collapse::encode;
-pub use edge_collapse::{ColumnInfo, Info, MODEL, PAGE_UPDATES, PageInfo, SectionInfo, decode, inspect};
 pub use error::ReadError;
 #[cfg(feature = "write")]
 pub use error::{EncodeError, WriteError};
 #[cfg(feature = "write")]
-pub use file::{WriteOptions, Written, write, write_columns};
+pub use file::{WriteOptions, Written, write};
 pub use file::{inspect_file, read};
+pub use info::{ColumnInfo, Info, PageInfo, SectionInfo};
 pub use meshfront_hierarchies::edge_collapse::round_error_up;
+
+/// What is stored of a hierarchy, as the bytes of a file, whole.
+///
+/// # Errors
+/// Columns that cannot be stored; see the modules of the models.
+#[cfg(feature = "write")]
+pub fn encode(stored: &Stored) -> Result<Vec<u8>, EncodeError> {
+    match stored {
+        Stored::EdgeCollapse(columns) => edge_collapse::encode(columns),
+        Stored::RightTriangles(columns) => right_triangles::encode(columns),
+    }
+}
+
+/// The columns of a file that lies in memory. `file` is what errors call it.
+///
+/// Every byte is covered by a checksum, and every number is checked before it is used or allocated for. Whether the
+/// columns are a hierarchy is for `Hierarchy::new` to check.
+///
+/// # Errors
+/// [`ReadError`], with section and offset.
+pub fn decode(bytes: &[u8], file: &str) -> Result<Stored, ReadError> {
+    Ok(match model(bytes, file)? {
+        Model::EdgeCollapse => Stored::EdgeCollapse(edge_collapse::decode(bytes, file)?),
+        Model::RightTriangles => Stored::RightTriangles(right_triangles::decode(bytes, file)?),
+    })
+}
+
+/// What a file that lies in memory holds. `file` is what errors call it.
+///
+/// Every checksum is compared, so a file that is not as it was written gives an error; pages are not unpacked.
+///
+/// # Errors
+/// [`ReadError`], with section and offset.
+pub fn inspect(bytes: &[u8], file: &str) -> Result<Info, ReadError> {
+    match model(bytes, file)? {
+        Model::EdgeCollapse => edge_collapse::inspect(bytes, file),
+        Model::RightTriangles => right_triangles::inspect(bytes, file),
+    }
+}
+
+/// Which module reads a file.
+fn model(bytes: &[u8], file: &str) -> Result<Model, ReadError> {
+    let (name, _) = container::open_header(bytes, file)?;
+    Model::of_name(name).ok_or_else(|| ReadError::UnknownModel {
+        file: file.into(),
+        model: name.into(),
+        known: Model::ALL.map(Model::name).join(", "),
+    })
+}

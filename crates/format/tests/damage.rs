@@ -4,7 +4,8 @@ mod common;
 
 use common::checksums::repair;
 use common::{Random, Shape, plausible};
-use meshfront_format::{ReadError, decode, encode, inspect};
+use meshfront_format::ReadError;
+use meshfront_format::edge_collapse::{decode, encode, inspect};
 use peak_alloc::PeakAlloc;
 use std::sync::Mutex;
 
@@ -139,13 +140,13 @@ fn other_versions_models_and_parts_are_named() {
         let mut changed = file.clone();
         changed[at..at + bytes.len()].copy_from_slice(bytes);
         repair(&mut changed);
-        decode(&changed, "other.front").unwrap_err()
+        meshfront_format::decode(&changed, "other.front").unwrap_err()
     };
     let newer = changed(8, &2u32.to_le_bytes());
     assert!(matches!(newer, ReadError::NewerVersion { found: 2, known: 1, .. }));
     assert!(newer.to_string().contains("update Meshfront"), "{newer}");
-    let model = changed(24, b"right_triangles\0");
-    assert!(matches!(&model, ReadError::UnknownModel { model, .. } if model == "right_triangles"));
+    let model = changed(24, b"clockwork\0\0\0\0\0");
+    assert!(matches!(&model, ReadError::UnknownModel { model, .. } if model == "clockwork"));
     assert!(model.to_string().contains("update Meshfront"), "{model}");
     assert!(matches!(changed(48, &[4]), ReadError::UnknownPart { section, .. } if section == "header"));
     assert!(matches!(changed(56, b"XXXX"), ReadError::UnknownPart { section, .. } if section == "XXXX"));

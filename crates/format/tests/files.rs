@@ -3,17 +3,22 @@
 use std::fs;
 use std::path::Path;
 
-use meshfront_format::{ReadError, WriteError, WriteOptions, inspect_file, read, write};
-use meshfront_hierarchies::EdgeCollapse;
+use meshfront_format::{ReadError, WriteError, WriteOptions, edge_collapse, inspect_file, read, write};
+use meshfront_hierarchies::Stored;
+use meshfront_hierarchies::edge_collapse::Columns;
 use meshfront_mesh::sample;
-use meshfront_simplify::{EdgeCollapseOptions, edge_collapse};
+use meshfront_simplify::{EdgeCollapseOptions, edge_collapse_columns};
 
 const KEEP: WriteOptions = WriteOptions { overwrite: false };
 const REPLACE: WriteOptions = WriteOptions { overwrite: true };
 
-fn hierarchy() -> EdgeCollapse {
+fn columns() -> Columns {
     let options = EdgeCollapseOptions { base_triangles: 50, ..Default::default() };
-    edge_collapse(&sample::knot(600), &options, &()).unwrap()
+    edge_collapse_columns(&sample::knot(600), &options, &()).unwrap()
+}
+
+fn stored() -> Stored {
+    Stored::EdgeCollapse(columns())
 }
 
 fn names(folder: &Path) -> Vec<String> {
@@ -27,10 +32,9 @@ fn names(folder: &Path) -> Vec<String> {
 fn written_is_read() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("knot.front");
-    let hierarchy = hierarchy();
-    let written = write(&path, &hierarchy, &KEEP).unwrap();
+    let written = write(&path, &stored(), &KEEP).unwrap();
     assert_eq!(written.bytes, fs::metadata(&path).unwrap().len());
-    assert_eq!(read(&path).unwrap().columns(), hierarchy.columns());
+    assert_eq!(read(&path).unwrap().stored(), stored());
     assert_eq!(inspect_file(&path).unwrap().bytes, written.bytes);
     assert_eq!(names(folder.path()), ["knot.front"]);
 }
@@ -40,11 +44,11 @@ fn an_existing_file_stays_unless_asked() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("knot.front");
     fs::write(&path, "precious").unwrap();
-    let error = write(&path, &hierarchy(), &KEEP).unwrap_err();
+    let error = write(&path, &stored(), &KEEP).unwrap_err();
     assert!(matches!(&error, WriteError::Exists { path: p } if *p == path));
     assert!(error.to_string().contains("--force"), "{error}");
     assert_eq!(fs::read(&path).unwrap(), b"precious");
-    write(&path, &hierarchy(), &REPLACE).unwrap();
+    write(&path, &stored(), &REPLACE).unwrap();
     read(&path).unwrap();
     assert_eq!(names(folder.path()), ["knot.front"]);
 }
@@ -54,10 +58,10 @@ fn nothing_is_left_where_writing_fails() {
     let folder = tempfile::tempdir().unwrap();
     let occupied = folder.path().join("folder.front");
     fs::create_dir(&occupied).unwrap();
-    assert!(matches!(write(&occupied, &hierarchy(), &REPLACE), Err(WriteError::Io { .. })));
+    assert!(matches!(write(&occupied, &stored(), &REPLACE), Err(WriteError::Io { .. })));
     assert_eq!(names(folder.path()), ["folder.front"]);
     let nowhere = folder.path().join("missing").join("knot.front");
-    let error = write(&nowhere, &hierarchy(), &KEEP).unwrap_err();
+    let error = write(&nowhere, &stored(), &KEEP).unwrap_err();
     assert!(error.to_string().contains("knot.front"), "{error}");
     assert_eq!(names(folder.path()), ["folder.front"]);
 }
@@ -68,7 +72,7 @@ fn others_may_read_what_the_umask_allows() {
     use std::os::unix::fs::PermissionsExt;
     let folder = tempfile::tempdir().unwrap();
     let (ours, plain) = (folder.path().join("a.front"), folder.path().join("b"));
-    write(&ours, &hierarchy(), &KEEP).unwrap();
+    write(&ours, &stored(), &KEEP).unwrap();
     fs::write(&plain, "").unwrap();
     let mode = |path| fs::metadata(path).unwrap().permissions().mode();
     assert_eq!(mode(&ours), mode(&plain));
@@ -89,12 +93,12 @@ fn reading_names_the_file() {
 /// Whole bytes, sound columns, but no hierarchy: splits that cannot be applied.
 #[test]
 fn columns_that_are_no_hierarchy_are_refused() {
-    let mut columns = hierarchy().columns();
+    let mut columns = columns();
     columns.vertex.swap(0, 1);
     columns.vertex[1] = columns.vertex[0];
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("twice.front");
-    fs::write(&path, meshfront_format::encode(&columns).unwrap()).unwrap();
+    fs::write(&path, edge_collapse::encode(&columns).unwrap()).unwrap();
     let error = read(&path).unwrap_err();
     assert!(matches!(error, ReadError::Hierarchy { .. }), "{error}");
     assert!(error.to_string().contains("twice.front"), "{error}");

@@ -17,9 +17,10 @@
 //! [`Columns`] is what is stored; [`EdgeCollapse::new`] validates it by replaying all splits, and
 //! derives what follows from it: needs, children, bounding spheres, normal cones, vertex normals.
 
-use crate::live::{Most, VertexLook, snorm16};
+use crate::live::{Most, TriangleBuffers, VertexLook, snorm16};
+use crate::model::{LiveMesh, Model, SourceCounts, Stored, TriangleModel};
 use glam::Vec3;
-use meshfront_mesh::{TriangleMesh, VertexColumns, VertexId};
+use meshfront_mesh::{Bounds, TriangleMesh, VertexColumns, VertexId};
 use meshfront_refine::{Footprint, MultiTessellation, UpdateId};
 use std::array::from_fn;
 
@@ -29,7 +30,7 @@ mod encode;
 mod footprint;
 mod front_mesh;
 
-pub use columns::{AddedTriangle, Columns, ExplicitSplit, Grid, InvalidColumns, Oct, SourceCounts, round_error_up};
+pub use columns::{AddedTriangle, Columns, ExplicitSplit, Grid, InvalidColumns, Oct, round_error_up};
 pub use encode::{EncodedSplit, StarTriangle, encode_split};
 pub use front_mesh::FrontMesh;
 
@@ -173,31 +174,13 @@ impl EdgeCollapse {
     pub fn grid(&self) -> Option<Grid> {
         self.grid
     }
-    /// Sizes of the source mesh.
-    pub fn source(&self) -> SourceCounts {
-        self.source
-    }
     /// Whether the source had normals of its own. Live meshes always have normals: derived ones else.
     pub fn has_source_normals(&self) -> bool {
         self.source_normals
     }
-    /// Whether the source had colours.
-    pub fn has_colors(&self) -> bool {
-        !self.colors.is_empty() || !self.base.vertex.colors.is_empty()
-    }
-    /// Centre and half diagonal of the bounding box of all vertices of all levels, mesh units.
-    pub fn bounds(&self) -> meshfront_mesh::Bounds {
-        self.frame.bounds()
-    }
     /// The error of an update: see [`Footprint::error`].
     pub fn error(&self, m: UpdateId) -> f32 {
         self.nodes[m.ix()].footprint.error
-    }
-    /// What leaving an update out costs the mesh as a whole: squared distance times area, of its own cells or of the
-    /// worst update that needs it. Where the error says how far the worst point is, this says which of two updates does
-    /// more for the mean: a mesh of a given number of cells takes the dearest.
-    pub fn cost(&self, m: UpdateId) -> f32 {
-        self.costs[m.ix()]
     }
     /// Direct needs of an update, ascending; what follows by transitivity may be left out.
     pub fn needs_of(&self, m: UpdateId) -> &[UpdateId] {
@@ -206,27 +189,6 @@ impl EdgeCollapse {
     /// Updates that need an update directly, ascending.
     pub fn children_of(&self, m: UpdateId) -> &[UpdateId] {
         &self.children[self.nodes[m.ix()].children as usize..self.nodes[m.ix() + 1].children as usize]
-    }
-
-    /// Memory of all columns, bytes. The base mesh (a few hundred triangles) is counted too.
-    pub fn memory_bytes(&self) -> usize {
-        let explicit: usize =
-            self.explicit.iter().map(|e| size_of::<ExplicitSplit>() + size_of_val(&e.added[..]) + 4).sum();
-        let VertexColumns { normals, colors } = &self.base.vertex;
-        explicit
-            + size_of_val(&self.needs[..])
-            + size_of_val(&self.children[..])
-            + size_of_val(&self.fine_places[..])
-            + size_of_val(&self.splits[..])
-            + size_of_val(&self.colors[..])
-            + size_of_val(&self.costs[..])
-            + size_of_val(&self.nodes[..])
-            + size_of_val(&self.roots[..])
-            + size_of_val(&self.base.positions[..])
-            + size_of_val(&self.base.triangles[..])
-            + size_of_val(&self.base_normals[..])
-            + size_of_val(&normals[..])
-            + size_of_val(&colors[..])
     }
 
     /// Where u and v are.
@@ -328,5 +290,66 @@ impl MultiTessellation for EdgeCollapse {
     }
     fn floor_error(&self) -> f32 {
         self.floor_error
+    }
+}
+
+impl TriangleModel for EdgeCollapse {
+    const MODEL: Model = Model::EdgeCollapse;
+
+    fn stored(&self) -> Stored {
+        Stored::EdgeCollapse(self.columns())
+    }
+
+    fn source(&self) -> SourceCounts {
+        self.source
+    }
+    fn has_colors(&self) -> bool {
+        !self.colors.is_empty() || !self.base.vertex.colors.is_empty()
+    }
+    fn bounds(&self) -> Bounds {
+        self.frame.bounds()
+    }
+    /// Squared distance times area, of its own cells or of the worst update that needs it. Where the error says how far
+    /// the worst point is, this says which of two updates does more for the mean.
+    fn cost(&self, m: UpdateId) -> f32 {
+        self.costs[m.ix()]
+    }
+    fn memory_bytes(&self) -> usize {
+        let explicit: usize =
+            self.explicit.iter().map(|e| size_of::<ExplicitSplit>() + size_of_val(&e.added[..]) + 4).sum();
+        let VertexColumns { normals, colors } = &self.base.vertex;
+        explicit
+            + size_of_val(&self.needs[..])
+            + size_of_val(&self.children[..])
+            + size_of_val(&self.fine_places[..])
+            + size_of_val(&self.splits[..])
+            + size_of_val(&self.colors[..])
+            + size_of_val(&self.costs[..])
+            + size_of_val(&self.nodes[..])
+            + size_of_val(&self.roots[..])
+            + size_of_val(&self.base.positions[..])
+            + size_of_val(&self.base.triangles[..])
+            + size_of_val(&self.base_normals[..])
+            + size_of_val(&normals[..])
+            + size_of_val(&colors[..])
+    }
+    fn base_triangles(&self) -> usize {
+        self.base.triangles.len()
+    }
+    /// As most scanners and modellers have it; a mesh does not say.
+    fn up(&self) -> Vec3 {
+        Vec3::Y
+    }
+}
+
+impl LiveMesh for FrontMesh {
+    fn buffers(&self) -> &TriangleBuffers {
+        &self.buffers
+    }
+    fn buffers_mut(&mut self) -> &mut TriangleBuffers {
+        &mut self.buffers
+    }
+    fn memory_bytes(&self) -> usize {
+        FrontMesh::memory_bytes(self)
     }
 }

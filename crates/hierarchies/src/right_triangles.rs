@@ -17,8 +17,8 @@
 //!
 //! Mesh space: x metres to the east of the south-western sample, y to the north, z up, times the exaggeration.
 
-use crate::edge_collapse::SourceCounts;
-use crate::live::Most;
+use crate::live::{Most, TriangleBuffers};
+use crate::model::{LiveMesh, Model, SourceCounts, Stored, TriangleModel};
 use glam::{DVec2, Vec2, Vec3};
 use meshfront_mesh::{Bounds, Unit};
 use meshfront_refine::{Footprint, MultiTessellation, NormalCone, UpdateId};
@@ -32,7 +32,7 @@ mod record;
 
 pub use front_mesh::FrontMesh;
 
-use lattice::Lattice;
+pub use lattice::{Lattice, Site};
 use record::Record;
 
 /// What is stored of a terrain.
@@ -53,6 +53,54 @@ pub struct Columns {
     /// Where the terrain is.
     pub place: Place,
 }
+
+impl Columns {
+    /// Sizes and numbers: all that can be checked without looking at triangles.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn check(&self) -> Result<(), InvalidHeights> {
+        self.check_shape()?;
+        let samples = self.columns as usize * self.rows as usize;
+        if self.heights.len() != samples {
+            return Err(InvalidHeights::Length { found: self.heights.len(), expected: samples });
+        }
+        match self.heights.iter().position(|h| !h.is_nan() && h.abs() >= MOST) {
+            Some(i) => Err(InvalidHeights::Height(i)),
+            None => Ok(()),
+        }
+    }
+
+    /// As [`Columns::check`], without a look at the heights.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn check_shape(&self) -> Result<(), InvalidHeights> {
+        let Columns { columns, rows, spacing, steps, floor_error, .. } = *self;
+        let side = |n| (2..=MOST_SIDE).contains(&n);
+        if !side(columns) || !side(rows) || columns as u64 * rows as u64 > MOST_SAMPLES {
+            return Err(InvalidHeights::Size { columns, rows });
+        }
+        let positive = |x: f64| x < MOST as f64 && x as f32 >= f32::MIN_POSITIVE;
+        if !(positive(spacing.x) && positive(spacing.y)) {
+            return Err(InvalidHeights::Spacing);
+        }
+        if !(floor_error.is_finite() && floor_error >= 0.0) {
+            return Err(InvalidHeights::Floor);
+        }
+        match steps {
+            Some(steps) if !(steps.zero.is_finite() && positive(steps.step)) => Err(InvalidHeights::Steps),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Of samples along one side: x and y are numbers of 16 bits and one more.
+const MOST_SIDE: u32 = (1 << 16) + 1;
+/// Slots of triangles are looked up by four times an id.
+const MOST_SAMPLES: u64 = 1 << 29;
+/// Squares of squares of lengths must fit into an `f32`.
+const MOST: f32 = 1e9;
 
 /// Heights are `zero + step · i` for whole i.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,6 +171,9 @@ pub enum InvalidHeights {
     /// An unusable floor error.
     #[error("the floor error is not a finite number")]
     Floor,
+    /// A height between steps.
+    #[error("height {0} is not a whole number of steps: quantize heights, or store them lossless")]
+    OffStep(usize),
     /// No four neighbouring samples that make a triangle.
     #[error("there is no triangle: nearly all samples are missing")]
     Empty,
@@ -209,28 +260,9 @@ impl RightTriangles {
     pub fn place(&self) -> Place {
         self.place
     }
-    /// Sizes of the source: samples that are there, and triangles of the full mesh.
-    pub fn source(&self) -> SourceCounts {
-        SourceCounts { vertices: self.vertices, triangles: self.triangles }
-    }
-    /// Triangles of the base mesh.
-    pub fn base_triangles(&self) -> usize {
-        self.base.len()
-    }
-    /// The box of all samples.
-    pub fn bounds(&self) -> Bounds {
-        self.bounds
-    }
     /// Number of updates.
     pub fn update_count(&self) -> usize {
         self.updates
-    }
-    /// Memory, bytes.
-    pub fn memory_bytes(&self) -> usize {
-        size_of_val(&self.records[..])
-            + size_of_val(&self.corners[..])
-            + size_of_val(&self.base[..])
-            + self.base_slots.capacity() * (size_of::<([i32; 2], usize)>() + 5)
     }
 
     fn most(&self) -> Most {
@@ -342,5 +374,51 @@ impl RightTriangles {
         for [dx, dy] in site.apexes() {
             self.visit(site.x + dx, site.y + dy, &mut visit);
         }
+    }
+}
+
+impl TriangleModel for RightTriangles {
+    const MODEL: Model = Model::RightTriangles;
+
+    fn stored(&self) -> Stored {
+        Stored::RightTriangles(self.columns())
+    }
+
+    fn source(&self) -> SourceCounts {
+        SourceCounts { vertices: self.vertices, triangles: self.triangles }
+    }
+    fn base_triangles(&self) -> usize {
+        self.base.len()
+    }
+    fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+    fn memory_bytes(&self) -> usize {
+        size_of_val(&self.records[..])
+            + size_of_val(&self.corners[..])
+            + size_of_val(&self.base[..])
+            + self.base_slots.capacity() * (size_of::<([i32; 2], usize)>() + 5)
+    }
+    fn has_colors(&self) -> bool {
+        false
+    }
+    fn up(&self) -> Vec3 {
+        Vec3::Z
+    }
+    /// The error: what counts on terrain is how high it is wrong.
+    fn cost(&self, m: UpdateId) -> f32 {
+        self.records[m.ix()].error()
+    }
+}
+
+impl LiveMesh for FrontMesh {
+    fn buffers(&self) -> &TriangleBuffers {
+        &self.buffers
+    }
+    fn buffers_mut(&mut self) -> &mut TriangleBuffers {
+        &mut self.buffers
+    }
+    fn memory_bytes(&self) -> usize {
+        FrontMesh::memory_bytes(self)
     }
 }

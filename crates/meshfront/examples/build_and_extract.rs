@@ -3,7 +3,9 @@
 //!     cargo run --release --example build_and_extract -- scan.ply
 
 use meshfront::mesh::io;
-use meshfront::{CompareOptions, EdgeCollapseOptions, Request, Uniform, compare, edge_collapse, extract, format};
+use meshfront::{
+    CompareOptions, EdgeCollapseOptions, Request, TriangleModel, Uniform, compare, edge_collapse, extract, format,
+};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = std::env::args().nth(1).ok_or("usage: build_and_extract MESH")?;
@@ -11,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{path}: {}", source.report);
 
     let hierarchy = edge_collapse(&source.mesh, &EdgeCollapseOptions::default(), &())?;
-    let written = format::write("out.front", &hierarchy, &format::WriteOptions { overwrite: true })?;
+    let written = format::write("out.front", &hierarchy.stored(), &format::WriteOptions { overwrite: true })?;
     println!("out.front: {} bytes", written.bytes);
 
     // At most a thousandth of the diagonal away from the source.

@@ -3,7 +3,7 @@
 //!     cargo run --release --example follow_a_camera
 
 use meshfront::mesh::sample;
-use meshfront::{EdgeCollapseOptions, Front, Request, edge_collapse, fly_by};
+use meshfront::{EdgeCollapseOptions, Front, Request, TriangleModel, edge_collapse, fly_by};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // One hierarchy, shared and never changed; a front for each viewer.

@@ -1,6 +1,6 @@
 //! Taking meshes out of a hierarchy.
 
-use meshfront_hierarchies::EdgeCollapse;
+use meshfront_hierarchies::{LiveMesh, TriangleModel};
 use meshfront_mesh::TriangleMesh;
 use meshfront_refine::{Criterion, Fingerprint, Footprint, Front, MultiTessellation, Outcome, Pose, Request, UpdateId};
 
@@ -21,7 +21,7 @@ pub struct Extracted {
 /// the worst first. The same request gives the same mesh.
 ///
 /// Takes less than a microsecond per update; [`Front`] is there for those who want more than one view.
-pub fn extract(hierarchy: &EdgeCollapse, criterion: &impl Criterion, request: &Request) -> Extracted {
+pub fn extract<H: TriangleModel>(hierarchy: &H, criterion: &impl Criterion, request: &Request) -> Extracted {
     let mut front = Front::new(hierarchy);
     let outcome = if request.max_cells.is_some() || request.deadline_us.is_some() {
         front.interruptible(hierarchy, criterion, request)
@@ -29,17 +29,17 @@ pub fn extract(hierarchy: &EdgeCollapse, criterion: &impl Criterion, request: &R
         front.top_down(hierarchy, criterion, request)
     };
     Extracted {
-        mesh: front.mesh().to_mesh(),
+        mesh: front.mesh().buffers().to_mesh(),
         error: promised_error(hierarchy, &front),
         criterion_error: front.measure(hierarchy, criterion),
         outcome,
     }
 }
 
-/// The mesh of at most so many cells that is best on the whole: updates in order of [`EdgeCollapse::cost`], as far as they
+/// The mesh of at most so many cells that is best on the whole: updates in order of [`TriangleModel::cost`], as far as they
 /// fit. `criterion_error` is the error.
-pub fn extract_cells(hierarchy: &EdgeCollapse, most: usize) -> Extracted {
-    let mut order: Vec<UpdateId> = (0..hierarchy.len() as u32).map(UpdateId).collect();
+pub fn extract_cells<H: TriangleModel>(hierarchy: &H, most: usize) -> Extracted {
+    let mut order: Vec<UpdateId> = hierarchy.updates().collect();
     // What an update needs costs no less and has a smaller number: in this order nothing is missing.
     order.sort_by(|&a, &b| hierarchy.cost(b).total_cmp(&hierarchy.cost(a)).then(a.cmp(&b)));
     let mut mesh = hierarchy.base();
@@ -53,10 +53,10 @@ pub fn extract_cells(hierarchy: &EdgeCollapse, most: usize) -> Extracted {
             fits
         })
         .count();
-    let error = order[fits..].iter().map(|&m| hierarchy.error(m)).fold(hierarchy.floor_error(), f32::max);
+    let error = order[fits..].iter().map(|&m| hierarchy.footprint(m).error).fold(hierarchy.floor_error(), f32::max);
     let cells = hierarchy.cells(&mesh);
     Extracted {
-        mesh: mesh.to_mesh(),
+        mesh: mesh.buffers().to_mesh(),
         error,
         criterion_error: error,
         outcome: Outcome { refined: fits as u32, cells, settled: fits == order.len(), ..Outcome::default() },
@@ -64,16 +64,16 @@ pub fn extract_cells(hierarchy: &EdgeCollapse, most: usize) -> Extracted {
 }
 
 /// Every update applied: the source, but for quantization and cleaning.
-pub fn finest(hierarchy: &EdgeCollapse) -> TriangleMesh {
+pub fn finest<H: TriangleModel>(hierarchy: &H) -> TriangleMesh {
     let mut front = Front::new(hierarchy);
     front.top_down(hierarchy, &Everything, &Request::tolerance(0.0));
-    front.mesh().to_mesh()
+    front.mesh().buffers().to_mesh()
 }
 
 /// How far the original surface is from a front's mesh at most, mesh units: the worst error of the updates that
 /// are not applied, and what quantization costs everywhere. Looks at every update.
 pub fn promised_error<H: MultiTessellation>(hierarchy: &H, front: &Front<H>) -> f32 {
-    let waiting = (0..hierarchy.len() as u32).map(UpdateId).filter(|&m| !front.is_applied(m));
+    let waiting = hierarchy.updates().filter(|&m| !front.is_applied(m));
     waiting.fold(hierarchy.floor_error(), |worst, m| worst.max(hierarchy.footprint(m).error))
 }
 

@@ -34,9 +34,11 @@ pub use compare::{CompareOptions, Comparison, compare};
 pub use extract::{Everything, Extracted, extract, extract_cells, finest, promised_error};
 pub use survey::{Survey, survey};
 
-pub use meshfront_hierarchies::EdgeCollapse;
-pub use meshfront_mesh::TriangleMesh;
+pub use meshfront_hierarchies::{
+    AnySurface, EdgeCollapse, Hierarchy, LiveMesh, Model, RightTriangles, Stored, TriangleModel, with_model,
+};
+pub use meshfront_mesh::{HeightField, TriangleMesh};
 pub use meshfront_refine::criteria::Uniform;
 pub use meshfront_refine::{Camera, Front, Outcome, Request, Step, ViewOptions, view};
 #[cfg(feature = "simplify")]
-pub use meshfront_simplify::{EdgeCollapseOptions, edge_collapse};
+pub use meshfront_simplify::{EdgeCollapseOptions, RightTrianglesOptions, edge_collapse, right_triangles};

@@ -4,8 +4,8 @@ use std::sync::LazyLock;
 
 use meshfront::mesh::{Bounds, sample};
 use meshfront::{
-    CompareOptions, EdgeCollapse, EdgeCollapseOptions, Everything, Request, TriangleMesh, Uniform, compare,
-    edge_collapse, extract, finest, fly_by, survey,
+    CompareOptions, EdgeCollapse, EdgeCollapseOptions, Everything, Request, TriangleMesh, TriangleModel, Uniform,
+    compare, edge_collapse, extract, finest, fly_by, survey,
 };
 
 static SOURCE: LazyLock<TriangleMesh> = LazyLock::new(|| sample::scan(6_000));
@@ -24,7 +24,7 @@ fn the_source_is_as_near_as_promised() {
     let diagonal = HIERARCHY.bounds().diagonal();
     let mut last = usize::MAX;
     for tolerance in [1e-4, 1e-3, 1e-2, 5e-2].map(|share| share * diagonal) {
-        let coarse = extract(&HIERARCHY, &Uniform, &Request::tolerance(tolerance));
+        let coarse = extract(&*HIERARCHY, &Uniform, &Request::tolerance(tolerance));
         assert!(coarse.error <= tolerance, "{} where {tolerance} was asked", coarse.error);
         let measured = measured(&coarse.mesh);
         assert!(measured <= coarse.error as f64, "{measured} where {} is promised", coarse.error);
@@ -38,7 +38,7 @@ fn a_budget_is_kept_and_the_promise_with_it() {
     let least = HIERARCHY.base_mesh().triangles.len();
     for most in [least, 1_000, 3_000] {
         let request = Request { max_cells: Some(most), ..Request::tolerance(0.0) };
-        let coarse = extract(&HIERARCHY, &Uniform, &request);
+        let coarse = extract(&*HIERARCHY, &Uniform, &request);
         let n = coarse.mesh.triangles.len();
         assert!(n <= most && n * 10 >= most * 9, "{n} of {most}");
         assert!(measured(&coarse.mesh) <= coarse.error as f64);
@@ -60,8 +60,8 @@ fn the_finest_mesh_is_the_source() {
         all
     };
     assert!(corners(&lossless) == corners(&SOURCE), "triangles of the source are missing or changed");
-    let quantized = finest(&HIERARCHY);
-    assert!(measured(&quantized) <= extract(&HIERARCHY, &Everything, &Request::default()).error as f64);
+    let quantized = finest(&*HIERARCHY);
+    assert!(measured(&quantized) <= extract(&*HIERARCHY, &Everything, &Request::default()).error as f64);
     assert_eq!(survey(&quantized).boundary_edges, survey(&SOURCE).boundary_edges);
 }
 

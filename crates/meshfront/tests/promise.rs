@@ -7,8 +7,8 @@ use std::sync::LazyLock;
 use meshfront::mesh::{io, sample};
 use meshfront::refine::MultiTessellation;
 use meshfront::{
-    CompareOptions, Comparison, EdgeCollapse, EdgeCollapseOptions, Everything, Front, Request, TriangleMesh, Uniform,
-    compare, edge_collapse, extract, extract_cells, format,
+    CompareOptions, Comparison, EdgeCollapse, EdgeCollapseOptions, Everything, Front, Request, TriangleMesh,
+    TriangleModel, Uniform, compare, edge_collapse, extract, extract_cells, format,
 };
 
 fn build(source: &TriangleMesh, bits: Option<u32>) -> EdgeCollapse {
@@ -93,7 +93,7 @@ fn the_dragon_is_as_near_as_promised() {
 #[ignore = "needs a real scan: `cargo xtask test --all`"]
 fn the_dragon_fits_into_few_bytes() {
     let (source, hierarchy) = &*DRAGON;
-    let bytes = format::encode(&hierarchy.columns()).unwrap();
+    let bytes = format::encode(&hierarchy.stored()).unwrap();
     let per_vertex = bytes.len() as f64 / source.positions.len() as f64;
     let head = format::inspect(&bytes, "dragon").unwrap().head_bytes;
     let per_update = hierarchy.memory_bytes() as f64 / hierarchy.len() as f64;

@@ -4,9 +4,9 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3};
-use meshfront_hierarchies::EdgeCollapse;
+use meshfront_hierarchies::AnySurface;
 use meshfront_mesh::Bounds;
-use meshfront_refine::{Camera, Front, Request, ViewOptions, view};
+use meshfront_refine::{Camera, Request, ViewOptions, view};
 use wasm_bindgen::prelude::*;
 
 const FRAMES: usize = 600;
@@ -59,21 +59,21 @@ fn camera(bounds: Bounds, frame: usize) -> Camera {
 
 /// Flies with a front of its own, at one pixel, with frustum and orientation, without limits. `now` tells milliseconds.
 /// The way from the base mesh to the first view is not timed.
-pub fn run(hierarchy: &EdgeCollapse, now: impl Fn() -> f64) -> FlyBy {
-    let mut front = Front::new(hierarchy);
-    let (bounds, request) = (hierarchy.bounds(), Request::tolerance(1.0));
+pub fn run(surface: &dyn AnySurface, now: impl Fn() -> f64) -> FlyBy {
+    let mut front = surface.another();
+    let (bounds, request) = (front.bounds(), Request::tolerance(1.0));
     let criterion = |frame| view(&camera(bounds, frame), ViewOptions::default());
-    while !front.adapt(hierarchy, &criterion(0), &request).settled {}
-    front.mesh_mut().buffers.clear_changes();
+    while !front.adapt_to_view(&criterion(0), &request).settled {}
+    front.buffers_mut().clear_changes();
     let mut times = Vec::with_capacity(FRAMES);
     let mut report = FlyBy { frames: FRAMES as u32, ..FlyBy::default() };
     let part = 1.0 / FRAMES as f64;
     for frame in 0..FRAMES {
         let criterion = criterion(frame);
         let start = now();
-        let outcome = front.adapt(hierarchy, &criterion, &request);
+        let outcome = front.adapt_to_view(&criterion, &request);
         times.push(now() - start);
-        front.mesh_mut().buffers.clear_changes();
+        front.buffers_mut().clear_changes();
         report.updates_per_frame += part * (outcome.refined + outcome.coarsened) as f64;
         report.active_triangles += part * outcome.cells as f64;
         report.evaluations_per_frame += part * outcome.evaluations as f64;

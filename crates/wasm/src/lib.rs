@@ -6,14 +6,12 @@
 mod fly_by;
 mod ranges;
 
-use std::sync::Arc;
-
 use glam::Vec3;
 use meshfront_format::ReadError;
-use meshfront_hierarchies::EdgeCollapse;
 use meshfront_hierarchies::live::TriangleBuffers;
+use meshfront_hierarchies::{AnySurface, Hierarchy};
 use meshfront_refine::criteria::{Region, Scale, Shape, Uniform};
-use meshfront_refine::{Camera, MultiTessellation, Outcome, Owned, Request, ViewOptions, view};
+use meshfront_refine::{Camera, Outcome, Request, ViewOptions, view};
 use wasm_bindgen::prelude::*;
 
 use fly_by::FlyBy;
@@ -43,7 +41,7 @@ fn clock_us() -> u64 {
 /// An opened file with one front.
 #[wasm_bindgen]
 pub struct Model {
-    owned: Owned<EdgeCollapse>,
+    front: Box<dyn AnySurface>,
     /// Everything is to be uploaded: nothing was so far.
     fresh: bool,
 }
@@ -62,44 +60,49 @@ impl Model {
             js.set_name(kind(&error));
             js
         })?;
-        Ok(Model { owned: Owned::new(Arc::new(hierarchy)), fresh: true })
+        Ok(Model { front: hierarchy.into_front(), fresh: true })
     }
 
     /// Number of updates.
     #[wasm_bindgen(getter)]
     pub fn updates(&self) -> u32 {
-        self.hierarchy().len() as u32
+        self.front.updates() as u32
     }
     /// Vertices of the source, after cleaning.
     #[wasm_bindgen(getter, js_name = sourceVertices)]
     pub fn source_vertices(&self) -> u32 {
-        self.hierarchy().source().vertices
+        self.front.source().vertices
     }
     /// Triangles of the source, after cleaning.
     #[wasm_bindgen(getter, js_name = sourceTriangles)]
     pub fn source_triangles(&self) -> u32 {
-        self.hierarchy().source().triangles
+        self.front.source().triangles
     }
     /// Triangles of the base mesh.
     #[wasm_bindgen(getter, js_name = baseTriangles)]
     pub fn base_triangles(&self) -> u32 {
-        self.hierarchy().base_mesh().triangles.len() as u32
+        self.front.base_triangles() as u32
     }
     /// Least and greatest corner of the box of all vertices of all levels: six numbers.
     #[wasm_bindgen(getter)]
     pub fn bounds(&self) -> Vec<f32> {
-        let bounds = self.hierarchy().bounds();
+        let bounds = self.front.bounds();
         [bounds.min.to_array(), bounds.max.to_array()].concat()
     }
     /// The error that is left with every update applied.
     #[wasm_bindgen(getter, js_name = floorError)]
     pub fn floor_error(&self) -> f32 {
-        self.hierarchy().floor_error()
+        self.front.floor_error()
+    }
+    /// Which way is up: a unit vector.
+    #[wasm_bindgen(getter)]
+    pub fn up(&self) -> Vec<f32> {
+        self.front.up().to_array().to_vec()
     }
     /// Whether there are colours.
     #[wasm_bindgen(getter, js_name = hasColors)]
     pub fn has_colors(&self) -> bool {
-        self.hierarchy().has_colors()
+        self.front.has_colors()
     }
 
     /// Adapts the front to a view.
@@ -137,15 +140,15 @@ impl Model {
             [x0, y0, z0, x1, y1, z1, _] => Some(Shape::Box { min: Vec3::new(x0, y0, z0), max: Vec3::new(x1, y1, z1) }),
             _ => return Err(js_sys::RangeError::new("a region has 5 or 7 numbers")),
         };
-        let Owned { hierarchy, front } = &mut self.owned;
+        let front = &mut self.front;
         let start = now();
         let outcome = match (shape, region.last()) {
             (Some(shape), Some(&error)) => {
                 // In units of the tolerance, so that one threshold serves both sides.
                 let outside = Scale { inner: Uniform, factor: tolerance / error.max(f32::MIN_POSITIVE) };
-                front.adapt(hierarchy, &Region { shape, inside, outside }, &request)
+                front.adapt(&Region { shape, inside, outside }, &request)
             }
-            _ => front.adapt(hierarchy, &inside, &request),
+            _ => front.adapt_to_view(&inside, &request),
         };
         Ok(self.frame(outcome, now() - start))
     }
@@ -153,17 +156,13 @@ impl Model {
     /// Flies once around the model with a front of its own, at one pixel without limits; see [`FlyBy`].
     #[wasm_bindgen(js_name = flyBy)]
     pub fn fly_by(&self) -> FlyBy {
-        fly_by::run(&self.owned.hierarchy, now)
-    }
-
-    fn hierarchy(&self) -> &EdgeCollapse {
-        &self.owned.hierarchy
+        fly_by::run(&*self.front, now)
     }
 
     /// Gathers what changed, and forgets it.
     fn frame(&mut self, outcome: Outcome, engine_ms: f64) -> Frame {
         let start = now();
-        let buffers = &mut self.owned.front.mesh_mut().buffers;
+        let buffers = self.front.buffers_mut();
         let (vertex_ranges, triangle_ranges) = if std::mem::take(&mut self.fresh) {
             (vec![0, buffers.positions.len() as u32], vec![0, buffers.triangles.len() as u32])
         } else {
@@ -304,9 +303,9 @@ impl Frame {
 }
 
 /// Errors call the file nothing: `what` tells why.
-fn read(bytes: &[u8]) -> Result<EdgeCollapse, ReadError> {
-    let columns = meshfront_format::decode(bytes, "")?;
-    EdgeCollapse::new(columns).map_err(|source| ReadError::Hierarchy { file: String::new(), source })
+fn read(bytes: &[u8]) -> Result<Hierarchy, ReadError> {
+    let stored = meshfront_format::decode(bytes, "")?;
+    Hierarchy::new(stored).map_err(|source| ReadError::Hierarchy { file: String::new(), source })
 }
 
 fn camera_of(numbers: &[f32]) -> Option<Camera> {

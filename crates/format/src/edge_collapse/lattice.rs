@@ -43,14 +43,13 @@ impl Lattice {
 }
 
 /// Bits of a float, as an integer that grows with it.
-#[cfg(feature = "write")]
-pub(super) fn ordered_bits(x: f32) -> u32 {
+pub(crate) fn ordered_bits(x: f32) -> u32 {
     let bits = x.to_bits();
     if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
 }
 
 /// The float with such an integer.
-pub(super) fn of_ordered_bits(bits: u32) -> f32 {
+pub(crate) fn of_ordered_bits(bits: u32) -> f32 {
     f32::from_bits(if bits >> 31 == 1 { bits & !(1 << 31) } else { !bits })
 }
 

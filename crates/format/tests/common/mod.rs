@@ -6,7 +6,8 @@ pub mod checksums;
 
 use glam::Vec3;
 use meshfront_format::round_error_up;
-use meshfront_hierarchies::edge_collapse::{AddedTriangle, Columns, ExplicitSplit, Grid, Oct, SourceCounts};
+use meshfront_hierarchies::SourceCounts;
+use meshfront_hierarchies::edge_collapse::{AddedTriangle, Columns, ExplicitSplit, Grid, Oct};
 use meshfront_mesh::{Bounds, TriangleMesh, VertexId};
 use meshfront_refine::UpdateId;
 

@@ -1,6 +1,7 @@
 //! The stored columns: what the simplifier makes and the file holds.
 
 use super::front_mesh::{Added, Star};
+use crate::SourceCounts;
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec3, Vec3};
 use meshfront_mesh::{TriangleMesh, VertexId};
@@ -47,15 +48,6 @@ impl Columns {
     pub const EXPLICIT: u32 = 1 << 31;
     /// The largest star that a split may have.
     pub const MAX_STAR: usize = 31;
-}
-
-/// Numbers of the source, after cleaning.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SourceCounts {
-    /// Vertices.
-    pub vertices: u32,
-    /// Triangles.
-    pub triangles: u32,
 }
 
 /// A split whose added triangles are listed one by one.

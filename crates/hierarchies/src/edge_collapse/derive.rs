@@ -23,7 +23,7 @@ struct Cells {
     half_angle: f32,
 }
 
-/// The update's own share of [`EdgeCollapse::cost`]: squared distance of s from the planes of M⁺, times their areas.
+/// The update's own share of [`TriangleModel::cost`](crate::TriangleModel::cost): squared distance of s from the planes of M⁺, times their areas.
 fn step_cost(s: Vec3, fine: impl Iterator<Item = [Vec3; 3]>) -> f32 {
     fine.map(|[a, b, c]| {
         let normal = (b - a).cross(c - a);

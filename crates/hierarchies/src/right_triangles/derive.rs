@@ -9,10 +9,6 @@ use glam::{DVec2, Vec2, Vec3};
 use meshfront_mesh::Bounds;
 use std::f32::consts::PI;
 
-/// Slots of triangles are four times an id, and must be numbers of 32 bits.
-const MOST_SAMPLES: u64 = 1 << 29;
-/// Of samples along one side.
-const MOST_SIDE: u32 = (1 << 16) + 1;
 /// Updates of a level that are done at a time.
 const CHUNK: usize = 4096;
 
@@ -172,7 +168,7 @@ impl Spread {
 }
 
 pub(super) fn derive(columns: Columns) -> Result<RightTriangles, InvalidHeights> {
-    check(&columns)?;
+    columns.check()?;
     let Columns { columns: w, rows: r, spacing, ref heights, .. } = columns;
     let lattice = Lattice::new(w, r);
     let field = Field { heights, columns: w as i32, rows: r as i32, spacing: spacing.as_vec2() };
@@ -286,31 +282,4 @@ fn measure<'a>(
         }
     }
     record.measured(error, reach.sqrt().max(child_reach.sqrt() + child_radius), spread.angle() + child_angle)
-}
-
-fn check(c: &Columns) -> Result<(), InvalidHeights> {
-    if c.columns < 2 || c.rows < 2 || c.columns > MOST_SIDE || c.rows > MOST_SIDE {
-        return Err(InvalidHeights::Size { columns: c.columns, rows: c.rows });
-    }
-    let samples = c.columns as u64 * c.rows as u64;
-    if samples > MOST_SAMPLES {
-        return Err(InvalidHeights::Size { columns: c.columns, rows: c.rows });
-    }
-    if c.heights.len() as u64 != samples {
-        return Err(InvalidHeights::Length { found: c.heights.len(), expected: samples as usize });
-    }
-    let positive = |x: f64| x.is_finite() && x > 0.0 && (x as f32) > 0.0 && x < 1e9;
-    if !(positive(c.spacing.x) && positive(c.spacing.y)) {
-        return Err(InvalidHeights::Spacing);
-    }
-    if let Some(i) = c.heights.iter().position(|h| !h.is_nan() && h.abs() >= 1e9) {
-        return Err(InvalidHeights::Height(i));
-    }
-    if !(c.floor_error.is_finite() && c.floor_error >= 0.0) {
-        return Err(InvalidHeights::Floor);
-    }
-    match c.steps {
-        Some(steps) if !(steps.zero.is_finite() && positive(steps.step)) => Err(InvalidHeights::Steps),
-        _ => Ok(()),
-    }
 }

@@ -19,16 +19,19 @@ use std::array::from_fn;
 
 /// A sample that an update stands for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Site {
+pub struct Site {
+    /// Column.
     pub x: i32,
+    /// Row, from the south.
     pub y: i32,
     /// Half the hypotenuse's extent along an axis, in samples.
     pub h: i32,
+    /// Whether the hypotenuse is diagonal to rows and columns.
     pub diagonal: bool,
 }
 
 /// A step between samples.
-pub(super) type Way = [i32; 2];
+type Way = [i32; 2];
 
 impl Site {
     /// Steps from v to the right angles of its two triangles.
@@ -44,6 +47,12 @@ impl Site {
         } else {
             [[-h, 0], [h, 0]]
         }
+    }
+    /// Steps from v to all four corners of its two triangles.
+    #[inline]
+    pub fn corners(&self) -> [Way; 4] {
+        let h = self.h;
+        if self.diagonal { [[-h, -h], [h, -h], [-h, h], [h, h]] } else { [[-h, 0], [h, 0], [0, -h], [0, h]] }
     }
     /// Steps from v to the middles of the hypotenuses of the triangles around it once it is applied; doubled, since those
     /// of the finest triangles lie between samples.
@@ -78,10 +87,12 @@ struct Level {
     diagonal: bool,
 }
 
-/// Ids of samples.
+/// Ids of samples: all of a field but those in corners of the square.
 #[derive(Clone, Debug)]
-pub(super) struct Lattice {
+pub struct Lattice {
+    /// Samples from west to east.
     pub columns: i32,
+    /// Samples from south to north.
     pub rows: i32,
     /// Side of the square that all of them lie in: a power of two.
     pub side: i32,
@@ -92,6 +103,7 @@ pub(super) struct Lattice {
 }
 
 impl Lattice {
+    /// Of a field of at least 2 × 2 samples, and at most 65537 × 65537.
     pub fn new(columns: u32, rows: u32) -> Lattice {
         let (w, r) = (columns - 1, rows - 1);
         let side = w.max(r).next_power_of_two();
@@ -114,6 +126,15 @@ impl Lattice {
         Lattice { columns: columns as i32, rows: rows as i32, side: side as i32, levels, hints, len }
     }
 
+    /// Samples of the field that have no id.
+    pub fn corners(&self) -> impl Iterator<Item = [i32; 2]> {
+        let all = [[0, 0], [self.side, 0], [0, self.side], [self.side; 2]];
+        all.into_iter().filter(|&[x, y]| self.contains(x, y))
+    }
+    /// Whether there is no id.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
     /// Number of ids.
     pub fn len(&self) -> usize {
         self.len as usize
@@ -139,6 +160,7 @@ impl Lattice {
         level
     }
 
+    /// The sample of an id.
     #[inline]
     pub fn site(&self, id: u32) -> Site {
         let Level { first, h, odd, even, diagonal } = self.levels[self.level_of(id)];
@@ -153,6 +175,7 @@ impl Lattice {
         Site { x: (x * h) as i32, y: (y * h) as i32, h: h as i32, diagonal }
     }
 
+    /// Whether a sample is one of the field.
     pub fn contains(&self, x: i32, y: i32) -> bool {
         (0..self.columns).contains(&x) && (0..self.rows).contains(&y)
     }
@@ -161,7 +184,7 @@ impl Lattice {
     #[inline]
     pub fn site_at(&self, x: i32, y: i32) -> Option<Site> {
         let h = 1 << (x | y | self.side).trailing_zeros();
-        (h < self.side).then(|| Site { x, y, h, diagonal: x & h != 0 && y & h != 0 })
+        (h < self.side).then_some(Site { x, y, h, diagonal: x & h != 0 && y & h != 0 })
     }
 
     /// The id of a sample of the field; `None` for the corners of the square and outside of the field.

@@ -7,9 +7,8 @@
 use super::collapse::Record;
 use super::measure::Errors;
 use glam::Vec3;
-use meshfront_hierarchies::edge_collapse::{
-    Columns, ExplicitSplit, Grid, SourceCounts, StarTriangle, encode_split, round_error_up,
-};
+use meshfront_hierarchies::SourceCounts;
+use meshfront_hierarchies::edge_collapse::{Columns, ExplicitSplit, Grid, StarTriangle, encode_split, round_error_up};
 use meshfront_mesh::{Bounds, TriangleMesh, VertexColumns, VertexId};
 use meshfront_refine::UpdateId;
 use rayon::prelude::*;
