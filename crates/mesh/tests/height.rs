@@ -11,6 +11,8 @@ use meshfront_mesh::io::height::{self, HeightFormat, HeightSource, is_height_for
 use meshfront_mesh::io::{WriteError, WriteOptions};
 use meshfront_mesh::{HeightField, Unit};
 use proptest::prelude::*;
+use tiff::encoder::compression::DeflateLevel;
+use tiff::encoder::{Compression, Predictor, TiffEncoder};
 
 use HeightFormat::{EsriAscii, GeoTiff, Png, UsgsDem};
 
@@ -262,6 +264,33 @@ fn tiffs_that_are_no_heights_are_refused() {
         (more(vec![(33550, 12, 3, doubles(&[10.0, 0.0, 0.0]))]), "a positive distance between samples"),
         (more(vec![(33550, 12, 3, doubles(&[f64::NAN, 1.0, 0.0]))]), "a positive distance between samples"),
         (more(vec![(259, 3, 1, shorts(&[34887]))]), "gdal_translate"),
+        (more(vec![(34735, 1, 8, vec![1; 8])]), "tag 34735 holds BYTE, not SHORT"),
+        // Numbers of strips and tiles beyond all counting.
+        (
+            more(vec![
+                (257, 4, 1, vec![0xff; 4]),
+                (277, 3, 1, shorts(&[0xffff])),
+                (258, 3, 1, shorts(&[16])),
+                (284, 3, 1, shorts(&[2])),
+            ]),
+            "a file",
+        ),
+        (
+            refused(Tiff {
+                tiles: true,
+                more: vec![
+                    (256, 4, 1, vec![0xff; 4]),
+                    (257, 4, 1, vec![0xff; 4]),
+                    (322, 3, 1, shorts(&[1])),
+                    (323, 3, 1, shorts(&[1])),
+                    (277, 3, 1, shorts(&[0xffff])),
+                    (258, 3, 1, shorts(&[16])),
+                    (284, 3, 1, shorts(&[2])),
+                ],
+                ..Tiff::default()
+            }),
+            "a file",
+        ),
         // A kilobyte that promises gigabytes.
         (
             more(vec![(256, 3, 1, shorts(&[60000])), (257, 3, 1, shorts(&[60000])), (278, 3, 1, shorts(&[30000]))]),
@@ -300,6 +329,57 @@ fn floats_that_are_nodata_in_32_bits_are_missing() {
         assert!(field.heights[1].is_nan());
         assert_eq!((field.missing(), field.heights[3], field.step), (1, 4.5, None), "{nodata}");
     }
+}
+
+/// A TIFF by the encoder of the crate.
+fn tiff_of<C, K>(width: u32, compression: Compression, predictor: Predictor, samples: &[C::Inner]) -> Vec<u8>
+where
+    C: tiff::encoder::colortype::ColorType,
+    K: tiff::encoder::TiffKind,
+    [C::Inner]: tiff::encoder::TiffValue,
+{
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let encoder = TiffEncoder::<_, K>::new_generic(&mut bytes).unwrap();
+    let mut encoder = encoder.with_compression(compression).with_predictor(predictor);
+    encoder.write_image::<C>(width, samples.len() as u32 / width, samples).unwrap();
+    bytes.into_inner()
+}
+
+#[test]
+fn tiffs_of_all_samples_and_compressions() {
+    use tiff::encoder::{TiffKindBig as Big, TiffKindStandard as Standard, colortype::*};
+    let numbers: Vec<i8> = (0..35).map(|i| ((i * 7) % 31 - 9) as i8).collect();
+    macro_rules! check {
+        ($color:ident, $kind:ident, $compression:expr, $predictor:expr, $type:ty) => {
+            let signed = !stringify!($type).starts_with('u');
+            let number = |x: i8| if signed { x as $type } else { x.unsigned_abs() as $type };
+            let samples: Vec<$type> = numbers.iter().map(|&x| number(x)).collect();
+            let field = read(&tiff_of::<$color, $kind>(5, $compression, $predictor, &samples), GeoTiff).field;
+            assert_eq!((field.columns, field.rows), (5, 7));
+            assert!(samples.iter().zip(&field.heights).all(|(a, b)| *a as f32 == *b), stringify!($color));
+            let whole = !stringify!($type).starts_with('f');
+            assert_eq!(field.step.is_some(), whole, stringify!($color));
+        };
+    }
+    let deflate = Compression::Deflate(DeflateLevel::Fast);
+    check!(Gray8, Standard, Compression::Uncompressed, Predictor::None, u8);
+    check!(Gray16, Big, Compression::Lzw, Predictor::Horizontal, u16);
+    check!(Gray32, Standard, deflate, Predictor::None, u32);
+    check!(Gray64, Standard, Compression::Packbits, Predictor::None, u64);
+    check!(GrayI8, Standard, Compression::Uncompressed, Predictor::None, i8);
+    check!(GrayI16, Standard, Compression::Packbits, Predictor::Horizontal, i16);
+    check!(GrayI32, Big, deflate, Predictor::Horizontal, i32);
+    check!(GrayI64, Standard, Compression::Lzw, Predictor::None, i64);
+    check!(Gray32Float, Standard, deflate, Predictor::None, f32);
+    check!(Gray64Float, Big, Compression::Lzw, Predictor::None, f64);
+    // Whole numbers that 32-bit floating point rounds have no step; a height beyond it is an error.
+    let rounded = tiff_of::<Gray32, Standard>(2, Compression::Uncompressed, Predictor::None, &[1, 2, 3, (1 << 24) + 1]);
+    let source = read(&rounded, GeoTiff);
+    assert_eq!(source.field.step, None);
+    assert!(source.report.to_string().contains("rounded"));
+    let beyond =
+        tiff_of::<Gray64Float, Standard>(2, Compression::Uncompressed, Predictor::None, &[1.0, 1e39, 3.0, 4.0]);
+    assert!(message(&beyond, GeoTiff).contains("found another in column 1, row 0"));
 }
 
 /// A PNG by the encoder of the crate.

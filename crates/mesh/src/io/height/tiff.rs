@@ -16,7 +16,7 @@ use std::io::{self, Cursor, Write};
 use ::tiff::decoder::{ChunkType, Decoder, DecodingResult, Limits};
 use ::tiff::encoder::colortype::{self, ColorType as Sample};
 use ::tiff::encoder::{TiffEncoder, TiffKind, TiffKindBig, TiffKindStandard, TiffValue};
-use ::tiff::tags::{PhotometricInterpretation, PlanarConfiguration, Tag};
+use ::tiff::tags::{PhotometricInterpretation, PlanarConfiguration, Tag, Type};
 use ::tiff::{ColorType, TiffError};
 use glam::DVec2;
 
@@ -64,6 +64,7 @@ pub(super) fn read(bytes: &[u8], ticker: &mut Ticker<'_>) -> Result<Parsed, Fail
     let mut limits = Limits::default();
     (limits.decoding_buffer_size, limits.ifd_value_size, limits.intermediate_buffer_size) =
         (most, bytes.len(), bytes.len());
+    check_directory(bytes)?;
     let tiff = &mut Decoder::new(Cursor::new(bytes)).map_err(fail)?.with_limits(limits);
     let (columns, rows) = tiff.dimensions().map_err(fail)?;
     check_size(columns.into(), rows.into()).map_err(Fail::file)?;
@@ -138,6 +139,70 @@ fn unsupported(what: &str, remedy: &'static str) -> Fail {
     Fail::file(ReadErrorKind::Unsupported { what: what.to_owned(), remedy })
 }
 
+/// Looks at the directory before the decoder does, which multiplies sizes and makes tables unasked: refuses numbers of
+/// strips beyond 32 bits, and tables of bytes. Whatever else is wrong is left to the decoder.
+fn check_directory(bytes: &[u8]) -> Result<(), Fail> {
+    let little = bytes.starts_with(b"II");
+    let number = |at: usize, len: usize| -> Option<u64> {
+        let field = bytes.get(at..at.checked_add(len)?)?;
+        let join = |n, &byte: &u8| n << 8 | u64::from(byte);
+        Some(if little { field.iter().rev().fold(0, join) } else { field.iter().fold(0, join) })
+    };
+    // Where the directory is, the lengths of its count and of its entries, and where an entry's value is.
+    let big = number(2, 2) == Some(43);
+    let (at, count_len, entry_len, value_at) = if big { (number(8, 8), 8, 20, 12) } else { (number(4, 4), 2, 12, 8) };
+    let Some(at) = at.and_then(|at| usize::try_from(at).ok()) else { return Ok(()) };
+    let (mut rows, mut bands) = (1, 1);
+    for i in 0..number(at, count_len).unwrap_or(0).min(bytes.len() as u64) as usize {
+        let Some(entry) = at.checked_add(count_len + i * entry_len) else { break };
+        let (Some(tag), Some(kind)) = (number(entry, 2), number(entry + 2, 2)) else { break };
+        let tag = Tag::from_u16_exhaustive(tag as u16);
+        let is = |wanted: Type| u64::from(wanted.to_u16()) == kind;
+        let value_len = if is(Type::SHORT) {
+            2
+        } else if is(Type::LONG8) {
+            8
+        } else {
+            4
+        };
+        let value = || number(entry + value_at, value_len);
+        match tag {
+            Tag::ImageLength => rows = value().unwrap_or(1),
+            Tag::SamplesPerPixel => bands = value().unwrap_or(1),
+            Tag::StripOffsets
+            | Tag::StripByteCounts
+            | Tag::TileOffsets
+            | Tag::TileByteCounts
+            | Tag::BitsPerSample
+            | Tag::SampleFormat
+            | Tag::ExtraSamples
+            | Tag::ChromaSubsampling
+                if ![Type::SHORT, Type::LONG, Type::LONG8].into_iter().any(is) =>
+            {
+                let why = format!("tag {} holds type {kind}, not numbers of 16 to 64 bits", tag.to_u16());
+                return Err(Fail::byte(entry, ReadErrorKind::Damaged { what: "TIFF", why }));
+            }
+            _ => {}
+        }
+    }
+    match rows.saturating_mul(bands) <= u64::from(u32::MAX) {
+        true => Ok(()),
+        false => Err(Fail::file(ReadErrorKind::TooMany("strips"))),
+    }
+}
+
+/// Refuses a tag whose values are of another type than the document says. The decoder takes 32 bytes for any value, so
+/// a tag of bytes could take many times the file.
+fn check_type(tiff: &mut Tiff<'_>, tag: Tag, wanted: Type) -> Result<(), Fail> {
+    match tiff.image_ifd().find_entry(tag).map(|entry| entry.field_type()) {
+        Some(found) if found != wanted => {
+            let why = format!("tag {} holds {found:?}, not {wanted:?}", tag.to_u16());
+            Err(Fail::file(ReadErrorKind::Damaged { what: "TIFF", why }))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// How many samples a pixel has; refuses colours.
 fn bands(tiff: &mut Tiff<'_>) -> Result<usize, Fail> {
     let photometric = tiff.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).map_err(fail)?;
@@ -166,6 +231,7 @@ struct Place {
 }
 
 fn place(tiff: &mut Tiff<'_>, notes: &mut Vec<String>) -> Result<Place, Fail> {
+    check_type(tiff, Tag::GeoKeyDirectoryTag, Type::SHORT)?;
     let keys = tiff.find_tag_unsigned_vec::<u16>(Tag::GeoKeyDirectoryTag).map_err(fail)?.unwrap_or_default();
     // Four numbers each, of which the first four are the directory's own: key, where its value is (0: here), 1, value.
     let key = |wanted: u16| {
@@ -201,9 +267,9 @@ fn place(tiff: &mut Tiff<'_>, notes: &mut Vec<String>) -> Result<Place, Fail> {
     };
     let vertical = vertical.unwrap_or(Unit::Unknown);
 
-    let numbers = |tiff: &mut Tiff<'_>, tag| match tiff.find_tag(tag).map_err(fail)? {
-        Some(value) => value.into_f64_vec().map(Some).map_err(fail),
-        None => Ok(None),
+    let numbers = |tiff: &mut Tiff<'_>, tag| {
+        check_type(tiff, tag, Type::DOUBLE)?;
+        tiff.find_tag(tag).map_err(fail)?.map(|value| value.into_f64_vec().map_err(fail)).transpose()
     };
     let pixel = numbers(tiff, Tag::ModelPixelScaleTag)?.filter(|scale| scale.len() >= 2);
     let tie = numbers(tiff, Tag::ModelTiepointTag)?.filter(|tie| tie.len() >= 6);
@@ -252,9 +318,9 @@ struct Meaning {
 }
 
 fn meaning(tiff: &mut Tiff<'_>) -> Result<Meaning, Fail> {
-    let string = |tiff: &mut Tiff<'_>, tag| match tiff.find_tag(tag).map_err(fail)? {
-        Some(value) => value.into_string().map(Some).map_err(fail),
-        None => Ok(None),
+    let string = |tiff: &mut Tiff<'_>, tag| {
+        check_type(tiff, tag, Type::ASCII)?;
+        tiff.find_tag(tag).map_err(fail)?.map(|value| value.into_string().map_err(fail)).transpose()
     };
     let number = |text: &str| fast_float2::parse::<f64, _>(text.trim_matches(['\0', ' ', '\n', '\r', '\t'])).ok();
     let nodata = string(tiff, Tag::GdalNodata)?.and_then(|text| number(&text));
