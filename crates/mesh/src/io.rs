@@ -1,4 +1,4 @@
-//! Files to meshes and back.
+//! Files to meshes and back; [`height`] does the same for height fields.
 //!
 //! [`read`] tells the format by the name's ending (`.gz` behind it is seen through), checks every count and index,
 //! triangulates polygons, cleans the mesh ([`crate::clean`]) and says in a [`ReadReport`] what it did. [`write()`]

@@ -1,7 +1,7 @@
 //! Meshes, and reading and writing them. No word of levels of detail here.
 //!
-//! With the feature `io` (default): [`io`] reads and writes OFF, OBJ, PLY, STL and glTF, [`triangulate`] cuts polygons
-//! and [`clean`] welds and drops. Without it the crate is plain columns and [`sample`] meshes, and compiles anywhere.
+//! With the feature `io` (default): [`io`] reads and writes OFF, OBJ, PLY, STL and glTF, [`io::height`] the height fields
+//! of GeoTIFF, PNG, USGS DEM and ESRI ASCII grids, [`triangulate`] cuts polygons and [`clean`] welds and drops. Without it the crate is plain columns and [`sample`] meshes, and compiles anywhere.
 //!
 //! ```
 //! # #[cfg(feature = "io")] {

@@ -101,16 +101,21 @@ fn reports_are_one_line() {
     let asc = "ncols 2\nnrows 2\ncellsize 10\n1 2 3 -9999\n";
     assert_eq!(
         report(asc.as_bytes(), EsriAscii),
-        "ESRI ASCII grid with 2 × 2 heights, 1 of them missing, 10 units apart (taken for metres), corner at 0, -9999 \
+        "ESRI ASCII grid with 2 × 2 heights, 1 of them missing, 10 apart, taken for metres, corner at 0, -9999 \
          taken for missing"
     );
     let mut dem = Dem::of(vec![(0.0, 0.0, vec![1, 2]), (30.0, 0.0, vec![3, 4])]);
     (dem.units, dem.spacing) = (["2", "1"], [30.0, 15.0, 1.0]);
     assert_eq!(report(&dem.bytes(), UsgsDem), "USGS DEM with 2 × 2 heights, 30 × 15 metres apart, heights in feet");
+    dem.units = ["3", ""];
+    assert_eq!(
+        report(&dem.bytes(), UsgsDem),
+        "USGS DEM with 2 × 2 heights, 30 × 15 arc-seconds apart, heights taken for metres"
+    );
     let two = Tiff { bands: 2, place: TiffPlace::None, ..Tiff::default() };
     assert_eq!(
         report(&two.bytes(), GeoTiff),
-        "GeoTIFF with 3 × 2 heights, 1 of them missing, 1 units apart (taken for metres), the first of 2 bands, no \
+        "GeoTIFF with 3 × 2 heights, 1 of them missing, 1 apart, taken for metres, the first of 2 bands, no \
          place given"
     );
 }

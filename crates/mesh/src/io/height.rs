@@ -12,8 +12,9 @@
 //! | ESRI ASCII | header in any order and case, corners or centres           | corners                | all but units         |
 //!
 //! A height that is missing (the file's nodata value, NaN, transparency, outside of a quadrangle) becomes NaN. Heights
-//! are stored in 32 bits, in the file's units. Reading holds the file's bytes and the heights: an image whose samples
-//! would take more than [`MOST_INFLATION`](super::MOST_INFLATION) times the file's size is refused.
+//! are stored in 32 bits, in the file's units. Reading holds the file's bytes and the heights (of a PNG, its samples as
+//! well): an image whose heights would take more than [`MOST_INFLATION`](super::MOST_INFLATION) times the file is
+//! refused.
 
 mod asc;
 mod dem;
@@ -143,26 +144,28 @@ impl fmt::Display for HeightReport {
         if x != y {
             write!(f, " × {y}")?;
         }
-        write!(f, " {} apart", plural(self.horizontal))?;
-        if self.horizontal != self.vertical {
-            write!(f, ", heights in {}", plural(self.vertical))?;
+        match plural(self.horizontal) {
+            Some(units) => write!(f, " {units} apart")?,
+            None => f.write_str(" apart, taken for metres")?,
         }
-        if [self.horizontal, self.vertical].contains(&Unit::Unknown) {
-            f.write_str(" (taken for metres)")?;
+        match plural(self.vertical) {
+            _ if self.vertical == self.horizontal => {}
+            Some(units) => write!(f, ", heights in {units}")?,
+            None => f.write_str(", heights taken for metres")?,
         }
         self.notes.iter().try_for_each(|note| write!(f, ", {note}"))
     }
 }
 
-/// A unit's name behind a number.
-fn plural(unit: Unit) -> &'static str {
+/// A unit's name behind a number, if it is known.
+fn plural(unit: Unit) -> Option<&'static str> {
     match unit {
-        Unit::Unknown => "units",
-        Unit::Metre => "metres",
-        Unit::Foot => "feet",
-        Unit::UsSurveyFoot => "US survey feet",
-        Unit::Degree => "degrees",
-        Unit::ArcSecond => "arc-seconds",
+        Unit::Unknown => None,
+        Unit::Metre => Some("metres"),
+        Unit::Foot => Some("feet"),
+        Unit::UsSurveyFoot => Some("US survey feet"),
+        Unit::Degree => Some("degrees"),
+        Unit::ArcSecond => Some("arc-seconds"),
     }
 }
 
