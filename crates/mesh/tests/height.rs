@@ -313,10 +313,12 @@ fn floats_that_are_nodata_in_32_bits_are_missing() {
         let row = |v: [f32; 3]| v.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
         let mut text = nodata.as_bytes().to_vec();
         text.push(0);
+        let twice = b"<Item name=\"SCALE\" sample=\"0\" role=\"scale\">2</Item>\0".to_vec();
         let tiff = Tiff {
             more: vec![
                 (258, 3, 1, shorts(&[32])),
                 (339, 3, 1, shorts(&[3])),
+                (42112, 2, twice.len() as u32, twice),
                 (42113, 2, text.len() as u32, text),
                 // Six samples in one strip, which lies where its own tag says: in the value of a private tag.
                 (65000, 1, 24, [row([1.0, value, 3.0]), row([4.5, 5.0, 6.0])].concat()),
@@ -332,7 +334,7 @@ fn floats_that_are_nodata_in_32_bits_are_missing() {
         }
         let field = read(&bytes, GeoTiff).field;
         assert!(field.heights[1].is_nan());
-        assert_eq!((field.missing(), field.heights[3], field.step), (1, 4.5, None), "{nodata}");
+        assert_eq!((field.missing(), field.heights[3], field.step), (1, 9.0, None), "{nodata}");
     }
 }
 

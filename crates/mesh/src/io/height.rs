@@ -1,7 +1,7 @@
 //! Files to height fields and back.
 //!
 //! [`read`] tells the format by the name's ending (`.gz` behind it is seen through), checks it by the content, and says
-//! in a [`HeightReport`] what was there and what was assumed. [`write`] replaces nothing unless asked, and leaves
+//! in a [`HeightReport`] what was there and what was assumed. [`write()`] replaces nothing unless asked, and leaves
 //! either the whole new file or what was there before.
 //!
 //! | format     | read                                                       | written                | holds                 |
