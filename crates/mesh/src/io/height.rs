@@ -13,7 +13,7 @@
 //!
 //! A height that is missing (the file's nodata value, NaN, transparency, outside of a quadrangle) becomes NaN. Heights
 //! are stored in 32 bits, in the file's units. Reading holds the file's bytes and the heights (of a PNG, its samples as
-//! well): an image whose heights would take more than [`MOST_INFLATION`](super::MOST_INFLATION) times the file is
+//! well): an image whose heights would take more than [`MOST_INFLATION`] times the file is
 //! refused.
 
 mod asc;
