@@ -1,28 +1,80 @@
 //! How far the source is from the coarse cells of each update, measured.
 //!
-//! Points of the source are followed through the record: a point lies on a cell; when a collapse replaces that
-//! cell, the point moves to the nearest of the collapse's coarse cells M⁻ (never to another: only so is its cell
-//! part of *every* front in which the collapse is not undone). The largest distance that a collapse sees
+//! Points of the source are followed through the record of a simplification: a point lies on a cell; when a step replaces that
+//! cell, the point moves to the nearest of the step's coarse cells M⁻ (never to another: only so is its cell
+//! part of *every* front in which the step is not undone). The largest distance that a step sees
 //! is its error. In any front each point is on exactly one cell, which was made by an unapplied update,
 //! so the largest error of the unapplied updates bounds the distance of all points from the front.
 //!
 //! Each point's way depends on no other point: they are followed in parallel, and maxima do not depend on order.
 
-use super::collapse::Record;
 use crate::{BuildError, Progress};
 use glam::Vec3;
-use meshfront_hierarchies::edge_collapse::Columns;
 use meshfront_mesh::{TriangleMesh, VertexId};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
-/// No collapse.
-const NONE: u32 = u32::MAX;
+/// A record that points can be followed through: which cells each step replaces by which, fine to coarse.
+pub(crate) trait Trail: Sync {
+    /// Whether the coarse cells of a step are a fan, each next to the one before.
+    const FAN: bool;
+    /// Number of steps.
+    fn steps(&self) -> usize;
+    /// Where a source vertex is at full resolution: on the grid, where there is one.
+    fn position(&self, vertex: VertexId) -> Vec3;
+    /// Whether a source vertex lies on an edge with other than two triangles.
+    fn on_rim(&self, vertex: VertexId) -> bool;
+    /// The coarse cells of a step: their indices among those of all steps.
+    fn coarse(&self, step: usize) -> Range<usize>;
+    /// The corners of one of them.
+    fn corners(&self, step: usize, cell: usize) -> [Vec3; 3];
+    /// Where the vertices are that a step takes away.
+    fn gone(&self, step: usize) -> impl Iterator<Item = Vec3>;
+    /// Where points go, given the number of source triangles.
+    fn ways(&self, triangles: usize) -> Ways;
+}
 
-pub(super) struct Errors {
-    /// Per collapse, mesh units.
-    pub collapses: Vec<f32>,
+/// Where the points on a cell go next.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Way(u32);
+
+impl Way {
+    /// Nowhere: no step replaces the cell.
+    pub const NONE: Way = Way(u32::MAX);
+    /// As many coarse cells as a step may have.
+    pub const MOST_CELLS: usize = 32;
+    const BITS: u32 = Way::MOST_CELLS.trailing_zeros();
+
+    /// To the place-th coarse cell of a step, which is the cell itself, moved.
+    pub fn stays(step: usize, place: usize) -> Way {
+        Way((step as u32) << (Way::BITS + 1) | place as u32)
+    }
+    /// To the coarse cells of a step, of which the place-th is near: the cell itself is gone.
+    pub fn vanishes(step: usize, place: usize) -> Way {
+        Way(Way::stays(step, place).0 | 1 << Way::BITS)
+    }
+    pub fn step(self) -> usize {
+        (self.0 >> (Way::BITS + 1)) as usize
+    }
+    fn place(self) -> usize {
+        self.0 as usize & (Way::MOST_CELLS - 1)
+    }
+    fn is_to_itself(self) -> bool {
+        self.0 >> Way::BITS & 1 == 0
+    }
+}
+
+pub(crate) struct Ways {
+    /// Per source triangle: where its points go first.
+    pub first: Vec<Way>,
+    /// Per coarse cell: where the points on it go next.
+    pub next: Vec<Way>,
+}
+
+pub(crate) struct Errors {
+    /// Per step, mesh units.
+    pub steps: Vec<f32>,
     /// Of the full-resolution front: what quantization alone does.
     pub floor: f32,
 }
@@ -61,7 +113,7 @@ impl Sampling {
     }
 }
 
-/// How many points a cell keeps, on average. With more, those that are no farther away than the collapse itself moved
+/// How many points a cell keeps, on average. With more, those that are no farther away than the step itself moved
 /// the surface are thinned out: neighbours see what they would see.
 const PER_CELL: f32 = 10.0;
 /// What the distance of all other points may exceed that of the followed ones by, on a cell with the area of so many
@@ -73,12 +125,16 @@ fn margin(triangles_squared: f32) -> f32 {
     (2.9 - 0.15 * 0.5 * triangles_squared.max(1.0).log2()).clamp(1.4, 2.3)
 }
 
-/// Measures the error of each collapse, in parallel; the result does not depend on the number of threads.
-pub(super) fn measure(source: &TriangleMesh, record: &Record, progress: &dyn Progress) -> Result<Errors, BuildError> {
+/// Measures the error of each step, in parallel; the result does not depend on the number of threads.
+pub(crate) fn measure(
+    source: &TriangleMesh,
+    trail: &impl Trail,
+    progress: &dyn Progress,
+) -> Result<Errors, BuildError> {
     let count = source.triangles.len();
     progress.phase("measure", "triangles", count as u64);
-    let ways = Ways::of(record, count);
-    let squared: Vec<AtomicU32> = (0..record.collapses.len()).map(|_| AtomicU32::new(0)).collect();
+    let ways = trail.ways(count);
+    let squared: Vec<AtomicU32> = (0..trail.steps()).map(|_| AtomicU32::new(0)).collect();
     let floor = AtomicU32::new(0);
     let sampling = Sampling::of(count);
     let done = AtomicU64::new(0);
@@ -95,8 +151,8 @@ pub(super) fn measure(source: &TriangleMesh, record: &Record, progress: &dyn Pro
         })
         .collect();
 
-    let moved: Vec<f32> = (0..record.collapses.len()).into_par_iter().map(|i| record.moved(i)).collect();
-    let walk = Walk { record, ways: &ways, moved: &moved, squared: &squared };
+    let moved: Vec<f32> = (0..trail.steps()).into_par_iter().map(|i| moved(trail, i)).collect();
+    let walk = Walk { trail, ways: &ways, moved: &moved, squared: &squared };
     let triangles: Vec<u32> = (0..count as u32).collect();
     triangles.par_chunks(4096).for_each(|chunk| {
         if progress.cancelled() {
@@ -115,9 +171,9 @@ pub(super) fn measure(source: &TriangleMesh, record: &Record, progress: &dyn Pro
             };
             for k in 0..3 {
                 if fresh[t as usize][k] {
-                    let v = corners[k].ix();
-                    raise(&floor, source.positions[v].distance_squared(record.positions[v]));
-                    follow(source.positions[v]);
+                    let at = source.positions[corners[k].ix()];
+                    raise(&floor, at.distance_squared(trail.position(corners[k])));
+                    follow(at);
                 }
             }
             for [along_b, along_c] in sampling.inside() {
@@ -126,7 +182,7 @@ pub(super) fn measure(source: &TriangleMesh, record: &Record, progress: &dyn Pro
             for (k, p, q) in [(0, a, b), (1, b, c), (2, c, a)] {
                 // An inner edge is seen from both sides: it is followed from one.
                 let (from, to) = (corners[k], corners[(k + 1) % 3]);
-                if from < to || (record.rim[from.ix()] && record.rim[to.ix()]) {
+                if from < to || (trail.on_rim(from) && trail.on_rim(to)) {
                     for along in sampling.on_edge() {
                         follow(p + (q - p) * along);
                     }
@@ -139,7 +195,7 @@ pub(super) fn measure(source: &TriangleMesh, record: &Record, progress: &dyn Pro
         return Err(BuildError::Cancelled);
     }
     let root = |a: AtomicU32| f32::from_bits(a.into_inner()).sqrt();
-    Ok(Errors { collapses: squared.into_iter().map(root).collect(), floor: root(floor) })
+    Ok(Errors { steps: squared.into_iter().map(root).collect(), floor: root(floor) })
 }
 
 /// A number in (0, 1] that looks random: the same for the same point on every machine.
@@ -150,94 +206,56 @@ fn fraction(triangle: u32, count: u32) -> f32 {
     ((x >> 40) + 1) as f32 / (1 << 24) as f32
 }
 
-/// Where a point goes next: `collapse << 6 | place`, the place of its triangle in the collapse's star; with `VANISHES`,
-/// the place of a neighbour of its triangle, which the collapse removes.
-type Way = u32;
-const VANISHES: u32 = 1 << 5;
-const PLACE: u32 = VANISHES - 1;
-const _: () = assert!(Columns::MAX_STAR <= PLACE as usize);
-
-struct Ways {
-    /// Per source triangle: where its points go first.
-    first: Vec<Way>,
-    /// Parallel to `Record::star`: where the points on that cell go next.
-    next: Vec<Way>,
+/// The squared distance from the surface of the farthest of the vertices that a step takes away.
+fn moved(trail: &impl Trail, step: usize) -> f32 {
+    let from = |p: Vec3| {
+        trail.coarse(step).map(|e| nearest(seen_from(p, trail.corners(step, e)))).fold(f32::INFINITY, f32::min)
+    };
+    trail.gone(step).map(from).fold(0.0, f32::max)
 }
 
-impl Ways {
-    fn of(record: &Record, triangles: usize) -> Ways {
-        let mut touch = vec![NONE; triangles];
-        let mut next = vec![NONE; record.star.len()];
-        for i in (0..record.collapses.len()).rev() {
-            let star = record.star_of(i);
-            for (place, e) in star.clone().enumerate() {
-                let t = record.star[e].triangle as usize;
-                next[e] = std::mem::replace(&mut touch[t], (i as u32) << 6 | place as u32);
-            }
-            for r in record.removed_of(i) {
-                let place = record.star[star.clone()].iter().position(|t| t.after == r.w || t.before == r.w);
-                touch[r.triangle as usize] = (i as u32) << 6 | VANISHES | place.unwrap_or(0) as u32;
-            }
-        }
-        Ways { first: touch, next }
-    }
-}
-
-impl Record {
-    /// The cell of a star as seen from a point.
-    #[inline]
-    fn cell(&self, i: usize, e: usize, p: Vec3) -> [Vec3; 3] {
-        let cell = self.star[e];
-        [self.leaves + i as u32, cell.after, cell.before].map(|v| self.positions[v as usize] - p)
-    }
-
-    /// The squared distance from the surface of the farther one of the two vertices that a collapse merges.
-    fn moved(&self, i: usize) -> f32 {
-        let collapse = self.collapses[i];
-        let from = |v: u32| {
-            let p = self.positions[v as usize];
-            self.star_of(i).map(|e| nearest(self.cell(i, e, p))).fold(f32::INFINITY, f32::min)
-        };
-        from(collapse.u).max(from(collapse.v))
-    }
+#[inline]
+fn seen_from(p: Vec3, corners: [Vec3; 3]) -> [Vec3; 3] {
+    corners.map(|c| c - p)
 }
 
 /// What points are followed through.
-struct Walk<'a> {
-    record: &'a Record,
+struct Walk<'a, T> {
+    trail: &'a T,
     ways: &'a Ways,
     moved: &'a [f32],
     squared: &'a [AtomicU32],
 }
 
-impl Walk<'_> {
-    /// Follows a point from a source triangle of twice this area until no collapse is left, or until its cell has more
-    /// than `PER_CELL` points a `fraction` of which stays, and is no farther than the collapse itself moved the surface.
+impl<T: Trail> Walk<'_, T> {
+    /// Follows a point from a source triangle of twice this area until no step is left, or until its cell has more
+    /// than `PER_CELL` points a `fraction` of which stays, and is no farther than the step itself moved the surface.
     fn follow(&self, p: Vec3, triangle: u32, longest: f32, crowd: f32) {
         let per_area_squared = 4.0 / 3.0 / (longest * longest).max(f32::MIN_POSITIVE);
         let crowd_squared = crowd * crowd;
         let mut way = self.ways.first[triangle as usize];
-        while way != NONE {
-            let i = (way >> 6) as usize;
-            let star = self.record.star_of(i);
-            let start = star.start + (way & PLACE) as usize;
-            let corners = self.record.cell(i, start, p);
+        while way != Way::NONE {
+            let i = way.step();
+            let cells = self.trail.coarse(i);
+            let start = cells.start + way.place();
+            let corners = self.cell(i, start, p);
             // Mostly the point's own triangle is still there, and the point still above it: that is near enough.
-            let own = if way & VANISHES == 0 { above(corners) } else { None };
+            let own = if way.is_to_itself() { above(corners) } else { None };
             let (mut distance, mut at) = match own {
                 Some(distance) => (distance, start),
-                None => self.nearest_in_fan(i, &star, start, nearest(corners), p),
+                None if T::FAN => self.nearest_in_fan(i, &cells, start, nearest(corners), p),
+                None => (nearest(corners), start),
             };
-            if distance > self.moved[i] {
+            if distance > self.moved[i] || !T::FAN {
                 // It may be the one that counts: look at all cells.
-                for e in star {
-                    let d = nearest(self.record.cell(i, e, p));
+                for e in cells {
+                    let d = nearest(self.cell(i, e, p));
                     if d < distance {
                         (distance, at) = (d, e);
                     }
                 }
             }
-            let [a, b, c] = self.record.cell(i, at, p);
+            let [a, b, c] = self.cell(i, at, p);
             let area_squared = (b - a).cross(c - a).length_squared();
             raise(&self.squared[i], distance * margin(area_squared * per_area_squared).powi(2));
             way = self.ways.next[at];
@@ -247,14 +265,20 @@ impl Walk<'_> {
         }
     }
 
+    /// The corners of a coarse cell as seen from a point.
+    #[inline]
+    fn cell(&self, step: usize, cell: usize, p: Vec3) -> [Vec3; 3] {
+        seen_from(p, self.trail.corners(step, cell))
+    }
+
     /// Walks around a fan in both directions for as long as cells are no farther.
     #[inline]
-    fn nearest_in_fan(&self, i: usize, star: &Range<usize>, start: usize, distance: f32, p: Vec3) -> (f32, usize) {
+    fn nearest_in_fan(&self, i: usize, fan: &Range<usize>, start: usize, distance: f32, p: Vec3) -> (f32, usize) {
         let mut best = (distance, start);
         let mut at = start;
         loop {
-            at = if at + 1 == star.end { star.start } else { at + 1 };
-            let distance = if at == start { f32::INFINITY } else { nearest(self.record.cell(i, at, p)) };
+            at = if at + 1 == fan.end { fan.start } else { at + 1 };
+            let distance = if at == start { f32::INFINITY } else { nearest(self.cell(i, at, p)) };
             if distance > best.0 {
                 break;
             }
@@ -263,8 +287,8 @@ impl Walk<'_> {
         let stop = best.1;
         at = start;
         loop {
-            at = if at == star.start { star.end - 1 } else { at - 1 };
-            let distance = if at == stop { f32::INFINITY } else { nearest(self.record.cell(i, at, p)) };
+            at = if at == fan.start { fan.end - 1 } else { at - 1 };
+            let distance = if at == stop { f32::INFINITY } else { nearest(self.cell(i, at, p)) };
             if distance > best.0 {
                 break;
             }
