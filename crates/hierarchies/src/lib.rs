@@ -7,5 +7,7 @@ mod lists;
 pub mod live;
 mod quantize;
 mod slot_table;
+pub mod vertex_removal;
 
 pub use edge_collapse::EdgeCollapse;
+pub use vertex_removal::VertexRemoval;
