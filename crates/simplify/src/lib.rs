@@ -4,8 +4,10 @@ pub mod edge_collapse;
 mod measure;
 pub mod metrics;
 mod order;
+pub mod vertex_removal;
 
 pub use edge_collapse::{EdgeCollapseOptions, edge_collapse, edge_collapse_columns};
+pub use vertex_removal::{VertexRemovalOptions, vertex_removal, vertex_removal_columns};
 
 use meshfront_mesh::{TriangleMesh, VertexId};
 
@@ -45,6 +47,12 @@ pub enum BuildError {
     /// More vertices or triangles than 32-bit ids leave room for.
     #[error("{0} triangles: at most 2^27, with 2^26 vertices, fit into one hierarchy; split the mesh")]
     TooLarge(usize),
+    /// The model takes 2-manifolds only.
+    #[error(
+        "vertex {0}: its triangles do not form one fan, all turned the same way; vertex removal takes 2-manifolds only: \
+         build with edge collapse, which takes any triangles"
+    )]
+    NonManifold(u32),
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,
