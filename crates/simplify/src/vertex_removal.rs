@@ -1,17 +1,18 @@
 //! Vertex removals, in order of quadric error, recorded as a hierarchy (`defloriani1997`, `klein1998`).
 //!
-//! Four steps, each in its file: `rings` turns a 2-manifold into rings of neighbours; `choose` finds the best of the
-//! triangulations of the polygon that a vertex would leave; `remove` takes vertices away in rounds of independent sets and
-//! keeps a record; `arrange` sorts the record coarse to fine and numbers it. Between the last two, points of the source are
-//! followed through the record, which gives the error of each update.
+//! `rings` turns a 2-manifold into rings of neighbours; `choose` finds the best of the triangulations of the polygon that a
+//! vertex would leave, for the `samples` of what was there before; `remove` takes vertices away in rounds of independent sets
+//! and keeps a record; points of the source are followed through it, which gives the error of each update; `arrange` sorts the
+//! record coarse to fine and numbers it.
 //!
-//! We differ from the papers in this: surfaces in space, not over a plane; the triangulation is chosen for the quadrics of all
-//! that was removed before, not for angles; boundaries are simplified too; and errors are measured.
+//! We differ from the papers in this: surfaces in space, not over a plane; the triangulation is chosen for all that was removed
+//! before, not for angles; boundaries are simplified too; and errors are measured.
 
 mod arrange;
 mod choose;
 mod remove;
 mod rings;
+mod samples;
 
 use crate::measure::measure;
 use crate::{BuildError, Progress, check};

@@ -12,6 +12,7 @@ const _: () = assert!(Columns::MAX_STAR < Way::MOST_CELLS);
 /// Coarse cells are those of the stars.
 impl Trail for Record {
     const FAN: bool = true;
+    const KEEPS_VERTICES: bool = false;
 
     fn steps(&self) -> usize {
         self.collapses.len()

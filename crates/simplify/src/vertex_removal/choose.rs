@@ -1,14 +1,17 @@
 //! The best triangulation of the polygon that a vertex leaves, and what it costs.
 //!
-//! Dynamic programming over the parts of the polygon (Klincsek 1980, "Minimal triangulations of polygonal domains"): a
-//! triangle costs its area times the mean squared distance of its edges' middles from the planes that the quadrics of the
-//! vertices around remember; which for a quadric is the integral over the triangle.
+//! Dynamic programming over the parts of the polygon (`klincsek1980`). A triangle costs the squared distances from its
+//! plane of the samples above and below it, each times the area that it stands for: vertices that went before, the vertex that
+//! goes now, and, where those are few, the middles of the fan's spokes. Above and below is along the mean normal of the fan:
+//! seen so, each sample is in one triangle of each triangulation, and the best one is found among all.
 
 use super::rings::{NONE, Rings, Spoke};
+use super::samples::{self, Samples};
 use crate::metrics::quadric::Quadric;
 use arrayvec::ArrayVec;
-use glam::{DVec3, Vec3};
+use glam::{Vec2, Vec3};
 use meshfront_hierarchies::vertex_removal::{MOST_CORNERS, Triangulation};
+use std::collections::HashMap;
 
 /// What a new triangle must keep.
 #[derive(Clone, Copy)]
@@ -23,13 +26,15 @@ pub(super) struct Guard {
 pub(super) const GUARDS: [Guard; 3] =
     [Guard { cos: 0.2, shape: 0.005 }, Guard { cos: 0.0, shape: 0.001 }, Guard { cos: -0.5, shape: 0.0 }];
 
-/// Cost of length where the quadrics see none, relative to the area: flat regions get short edges.
+/// Cost of length where samples say nothing, relative to area times squared length: flat regions get short edges.
 const LENGTH_COST: f32 = 1e-7;
+/// The area that spokes stand for, of that of the fan, where there is no sample but the vertex.
+const SPOKE_WEIGHT: f32 = 0.6;
 
 /// What removing a vertex costs, and what comes in its place. Corner 0 of the polygon is the first of the vertex's ring.
 #[derive(Clone, Copy)]
 pub(super) struct Choice {
-    /// Squared distance times area; infinite where the vertex has to stay.
+    /// By how much squared distance times area grows; infinite where the vertex has to stay.
     pub cost: f32,
     pub triangulation: Triangulation,
 }
@@ -43,10 +48,24 @@ impl Choice {
 pub(super) struct Around<'a> {
     pub rings: &'a Rings,
     pub points: &'a [Vec3],
-    pub quadrics: &'a [Quadric],
+    pub samples: &'a Samples,
+    /// Per boundary vertex: the planes of the boundary that it stands for.
+    pub rims: &'a HashMap<u32, Quadric>,
 }
 
 type Table<T> = [[T; MOST_CORNERS]; MOST_CORNERS];
+
+/// A place of the surface as it is, or was: relative to the vertex that may go.
+#[derive(Clone, Copy)]
+struct Sample {
+    at: Vec3,
+    flat: Vec2,
+    weight: f32,
+}
+
+/// Bits of a mask: eight samples for each of eleven cells, the vertex and the spokes.
+const MOST_SAMPLES: usize = 128;
+const _: () = assert!(MOST_SAMPLES >= (samples::MOST + 1) * MOST_CORNERS + 1);
 
 impl Around<'_> {
     /// The best triangulation of the polygon around a vertex.
@@ -57,32 +76,69 @@ impl Around<'_> {
             return Choice::STAY;
         }
         let open = ring[n - 1].cell == NONE;
-        let at = |v: u32| self.points[v as usize];
-        let corners: ArrayVec<Vec3, MOST_CORNERS> = ring.iter().map(|s| at(s.vertex)).collect();
-        let center = at(v);
-        let mean = (0..n - usize::from(open))
-            .map(|j| (corners[j] - center).cross(corners[(j + 1) % n] - center))
-            .sum::<Vec3>()
-            .normalize_or_zero();
-
-        // What the edges would cost, per area; infinite for chords that are edges already.
-        let own = self.quadrics[v as usize];
-        let mut edge = [[f32::INFINITY; MOST_CORNERS]; MOST_CORNERS];
         let taken = taken_edges(self.rings, ring, open);
-        for i in 0..n {
-            let half = own + self.quadrics[ring[i].vertex as usize];
-            for j in i + 1..n {
-                if taken[i] >> j & 1 == 0 {
-                    let q = half + self.quadrics[ring[j].vertex as usize];
-                    let middle = (corners[i].as_dvec3() + corners[j].as_dvec3()) * 0.5;
-                    let weight = q.a[0] + q.a[3] + q.a[5];
-                    let squared = if weight > 0.0 { q.at(middle).max(0.0) / weight } else { 0.0 };
-                    edge[i][j] = squared as f32 + LENGTH_COST * corners[i].distance_squared(corners[j]);
-                }
+        if taken[0] >> (n - 1) & 1 == 1 || (n == 3 && !open && is_tetrahedron(self.rings, ring)) {
+            return Choice::STAY;
+        }
+        let center = self.points[v as usize];
+        let corners: ArrayVec<Vec3, MOST_CORNERS> =
+            ring.iter().map(|s| self.points[s.vertex as usize] - center).collect();
+        let fan = n - usize::from(open);
+        let normals: ArrayVec<Vec3, MOST_CORNERS> = (0..fan).map(|j| corners[j].cross(corners[(j + 1) % n])).collect();
+        let sum = normals.iter().sum::<Vec3>();
+        let mean = sum.normalize_or_zero();
+        let (x, y) = if mean == Vec3::ZERO { (Vec3::X, Vec3::Y) } else { mean.any_orthonormal_pair() };
+        let flatten = |p: Vec3| Vec2::new(p.dot(x), p.dot(y));
+        let flat: ArrayVec<Vec2, MOST_CORNERS> = corners.iter().map(|&c| flatten(c)).collect();
+
+        let mut samples = ArrayVec::<Sample, MOST_SAMPLES>::new();
+        let mut add = |at: Vec3, weight: f32| {
+            let _ = samples.try_push(Sample { at, flat: flatten(at), weight });
+        };
+        add(Vec3::ZERO, self.samples.weight[v as usize]);
+        let area: f32 = normals.iter().map(|n| n.length()).sum();
+        // What the fan costs as it is.
+        let mut before = 0.0;
+        for (j, s) in ring[..fan].iter().enumerate() {
+            let squared = normals[j].length_squared();
+            for sample in self.samples.of(s.cell) {
+                let at = self.samples.points[sample as usize] - center;
+                let weight = self.samples.weight[sample as usize];
+                add(at, weight);
+                let along = normals[j].dot(at);
+                before += if squared > 0.0 { weight * along * along / squared } else { 0.0 };
             }
         }
-        if edge[0][n - 1] == f32::INFINITY || (n == 3 && !open && is_tetrahedron(self.rings, ring)) {
-            return Choice::STAY;
+        // Where few are there, the spokes say how the fan lies.
+        let share = SPOKE_WEIGHT * area / (n + samples.len() - 1) as f32;
+        for &at in &corners {
+            let at = at * 0.5;
+            let _ = samples.try_push(Sample { at, flat: flatten(at), weight: share });
+        }
+
+        // Per chord i < j: the samples to the left of it. What is outside of a side belongs to the triangle on it.
+        let all = u128::MAX >> (MOST_SAMPLES - samples.len());
+        let mut left: Table<u128> = [[0; MOST_CORNERS]; MOST_CORNERS];
+        let mut outside = 0.0;
+        for i in 0..n {
+            for j in i + 1..n {
+                if j == i + 1 {
+                    left[i][j] = all;
+                    continue;
+                }
+                let closing = i == 0 && j == n - 1;
+                if closing && !open {
+                    continue;
+                }
+                let chord = flat[j] - flat[i];
+                for (k, s) in samples.iter().enumerate() {
+                    let is_left = chord.perp_dot(s.flat - flat[i]) >= 0.0;
+                    left[i][j] |= u128::from(is_left) << k;
+                    if closing && is_left {
+                        outside += s.weight * s.at.distance_squared(nearest_on(corners[i], corners[j], s.at));
+                    }
+                }
+            }
         }
 
         let mut best: Table<f32> = [[0.0; MOST_CORNERS]; MOST_CORNERS];
@@ -91,7 +147,7 @@ impl Around<'_> {
             for i in 0..n - size {
                 let j = i + size;
                 best[i][j] = f32::INFINITY;
-                if edge[i][j] == f32::INFINITY {
+                if taken[i] >> j & 1 == 1 {
                     continue;
                 }
                 let chord = corners[j] - corners[i];
@@ -101,14 +157,23 @@ impl Around<'_> {
                     if parts >= best[i][j] {
                         continue;
                     }
-                    let (left, right) = (corners[a] - corners[i], corners[j] - corners[a]);
-                    let normal = left.cross(chord);
-                    let area = normal.length();
-                    let squares = chord_squared + left.length_squared() + right.length_squared();
+                    let (side, other) = (corners[a] - corners[i], corners[j] - corners[a]);
+                    let normal = side.cross(chord);
+                    let squared = normal.length_squared();
+                    let area = squared.sqrt();
+                    let squares = chord_squared + side.length_squared() + other.length_squared();
                     if area < guard.shape * squares || normal.dot(mean) < guard.cos * area {
                         continue;
                     }
-                    let cost = parts + area * (1.0 / 6.0) * (edge[i][a] + edge[a][j] + edge[i][j]);
+                    let mut inside = left[i][a] & left[a][j] & !left[i][j];
+                    let mut moment = 0.0;
+                    while inside != 0 {
+                        let s = &samples[inside.trailing_zeros() as usize];
+                        inside &= inside - 1;
+                        let along = normal.dot(s.at - corners[i]);
+                        moment += s.weight * along * along;
+                    }
+                    let cost = parts + moment / squared.max(f32::MIN_POSITIVE) + LENGTH_COST * area * squares;
                     if cost < best[i][j] {
                         (best[i][j], apex[i][j]) = (cost, a as u8);
                     }
@@ -121,9 +186,11 @@ impl Around<'_> {
         }
         if open {
             // The boundary gets a new edge: what v remembers of the old ones is measured from it.
-            let [from, to] = [corners[n - 1], corners[0]].map(Vec3::as_dvec3);
-            cost += own.at(nearest_on(from, to, center.as_dvec3())).max(0.0) as f32;
+            let near = nearest_on(corners[n - 1], corners[0], Vec3::ZERO) + center;
+            let rim = self.rims.get(&v).map_or(0.0, |q| q.at(near.as_dvec3()));
+            cost += outside + rim.max(0.0) as f32;
         }
+        cost = (cost - before).max(0.0);
         let mut triangles = ArrayVec::<[u8; 3], MOST_CORNERS>::new();
         let mut parts = ArrayVec::<[u8; 2], MOST_CORNERS>::new();
         parts.push([0, n as u8 - 1]);
@@ -170,7 +237,7 @@ pub(super) fn is_free(rings: &Rings, v: u32, triangulation: Triangulation) -> bo
 }
 
 /// The point of a segment nearest to another.
-fn nearest_on(a: DVec3, b: DVec3, p: DVec3) -> DVec3 {
-    let along = (p - a).dot(b - a) / (b - a).length_squared().max(f64::MIN_POSITIVE);
+fn nearest_on(a: Vec3, b: Vec3, p: Vec3) -> Vec3 {
+    let along = (p - a).dot(b - a) / (b - a).length_squared().max(f32::MIN_POSITIVE);
     a + (b - a) * along.clamp(0.0, 1.0)
 }

@@ -2,7 +2,8 @@
 
 use super::choose::{Around, Choice, GUARDS, Guard, is_free};
 use super::rings::{NONE, Rings, Spoke};
-use crate::measure::{Trail, Way, Ways};
+use super::samples::Samples;
+use crate::measure::{Trail, Way, Ways, nearest};
 use crate::metrics::quadric::Quadric;
 use crate::{BuildError, Progress};
 use arrayvec::ArrayVec;
@@ -10,6 +11,7 @@ use glam::Vec3;
 use meshfront_hierarchies::vertex_removal::{Grid, MOST_CORNERS, Triangulation};
 use meshfront_mesh::{TriangleMesh, VertexId};
 use rayon::prelude::*;
+use std::collections::HashMap;
 use std::ops::Range;
 
 /// What happened, fine to coarse. Cells are the source's triangles, then those of `coarse`.
@@ -56,7 +58,7 @@ impl Record {
 const RIM_WEIGHT: f64 = 3.0;
 /// A round removes vertices up to this quantile of all costs at its start, as far as they are independent: fewer, and the
 /// order of removals comes close to that of one queue; more, and the order of dependency is less deep.
-const ROUND_QUANTILE: f64 = 0.3;
+const ROUND_QUANTILE: f64 = 0.2;
 
 /// Removes vertices in rounds. In a round no two neighbours go, the cheapest go first, and none costs more than a bound that
 /// rises from round to round. Choosing is done in parallel; nothing depends on the number of threads.
@@ -113,7 +115,9 @@ pub(super) fn remove(
 
 struct Mesh {
     rings: Rings,
-    quadrics: Vec<Quadric>,
+    samples: Samples,
+    /// Per boundary vertex: what holds it in place.
+    rims: HashMap<u32, Quadric>,
     choices: Vec<Choice>,
     /// Last round in which the ring of a vertex changed.
     touched: Vec<u32>,
@@ -143,7 +147,11 @@ impl Mesh {
             base: vec![],
         };
         Ok(Mesh {
-            quadrics: vertices().map(|v| first_quadric(&rings, &source.positions, v)).collect(),
+            samples: Samples::new(&source.positions, &rings, source.triangles.len()),
+            rims: (0..n as u32)
+                .filter(|&v| rings.is_open(v))
+                .map(|v| (v, rim_quadric(&rings, &source.positions, v)))
+                .collect(),
             choices: vec![Choice::STAY; n],
             touched: vec![0; n],
             round: 0,
@@ -157,7 +165,8 @@ impl Mesh {
     }
 
     fn choose(&mut self, dirty: &[u32], guard: Guard) {
-        let around = Around { rings: &self.rings, points: &self.record.positions, quadrics: &self.quadrics };
+        let around =
+            Around { rings: &self.rings, points: &self.record.positions, samples: &self.samples, rims: &self.rims };
         let chosen: Vec<Choice> = dirty.par_iter().map(|&v| around.choose(v, guard)).collect();
         for (&v, choice) in dirty.iter().zip(chosen) {
             self.choices[v as usize] = choice;
@@ -238,25 +247,27 @@ impl Mesh {
         self.rings.set(polygon[c].vertex, &self.ring);
     }
 
-    /// Hands what a vertex remembers on to its neighbours: by the area that each has of its place, and at a boundary to
-    /// the ends of the new edge.
+    /// Hands the samples of a fan on to the triangles that replace it, and what a boundary vertex remembers to the ends of the
+    /// new edge.
     fn share(&mut self, v: u32, ring: &[Spoke], open: bool, triangles: &[[u8; 3]]) {
-        let q = self.quadrics[v as usize];
         let at = |c: u8| self.record.positions[ring[c as usize].vertex as usize];
-        let mut shares = [0.0f64; MOST_CORNERS];
-        if open {
-            (shares[0], shares[ring.len() - 1]) = (0.5, 0.5);
-        } else {
-            for t in triangles {
-                let [a, b, c] = t.map(at);
-                let area = (b - a).cross(c - a).length() as f64;
-                t.iter().for_each(|&c| shares[c as usize] += area);
-            }
+        let cells: ArrayVec<[Vec3; 3], MOST_CORNERS> = triangles.iter().map(|t| t.map(at)).collect();
+        let mut on = [const { vec![] }; MOST_CORNERS];
+        let fan = ring.iter().filter(|s| s.cell != NONE);
+        for sample in fan.flat_map(|s| self.samples.of(s.cell)).chain([v]) {
+            let p = self.samples.points[sample as usize];
+            let distance = |k: &usize| nearest(cells[*k].map(|c| c - p));
+            let k =
+                (0..cells.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("a polygon has triangles");
+            on[k].push(sample);
         }
-        let all: f64 = shares.iter().sum();
-        for (s, share) in ring.iter().zip(shares) {
-            if share > 0.0 {
-                self.quadrics[s.vertex as usize] += q * (share / all);
+        for on in on.into_iter().take(cells.len()) {
+            self.samples.push(on);
+        }
+        if open {
+            let q = self.rims.remove(&v).unwrap_or_default() * 0.5;
+            for end in [ring[0], ring[ring.len() - 1]] {
+                *self.rims.entry(end.vertex).or_default() += q;
             }
         }
     }
@@ -277,28 +288,18 @@ impl Mesh {
     }
 }
 
-/// The planes around a source vertex, and what holds a boundary in place.
-fn first_quadric(rings: &Rings, points: &[Vec3], v: u32) -> Quadric {
-    let mut q = Quadric::default();
+/// Planes through the boundary edges of a source vertex, across the surface.
+fn rim_quadric(rings: &Rings, points: &[Vec3], v: u32) -> Quadric {
     let ring = rings.of_vertex(v);
-    let at = |v: u32| points[v as usize].as_dvec3();
-    let p = at(v);
-    for (i, s) in ring.iter().enumerate().filter(|(_, s)| s.cell != NONE) {
-        let next = ring[(i + 1) % ring.len()].vertex;
-        let normal = (at(s.vertex) - p).cross(at(next) - p);
-        let area = 0.5 * normal.length();
-        if area > 0.0 {
-            let n = normal / (2.0 * area);
-            q += Quadric::plane(n, -n.dot(p), area / 3.0);
-        }
-        let ends = [(i == 0).then_some(s.vertex), (i + 2 == ring.len()).then_some(next)];
-        for end in ends.into_iter().flatten().filter(|_| rings.is_open(v)) {
-            let edge = at(end) - p;
-            let plane = edge.cross(normal);
-            if plane.length_squared() > 0.0 {
-                let n = plane.normalize();
-                q += Quadric::plane(n, -n.dot(p), RIM_WEIGHT * edge.length_squared());
-            }
+    let at = |i: usize| points[ring[i].vertex as usize].as_dvec3() - points[v as usize].as_dvec3();
+    let n = ring.len();
+    let mut q = Quadric::default();
+    for (end, inner) in [(0, 1), (n - 1, n - 2)] {
+        let plane = at(end).cross(at(end).cross(at(inner)));
+        if plane.length_squared() > 0.0 {
+            let normal = plane.normalize();
+            let offset = -normal.dot(points[v as usize].as_dvec3());
+            q += Quadric::plane(normal, offset, RIM_WEIGHT * at(end).length_squared());
         }
     }
     q
@@ -307,6 +308,7 @@ fn first_quadric(rings: &Rings, points: &[Vec3], v: u32) -> Quadric {
 /// Coarse cells are the triangulations.
 impl Trail for Record {
     const FAN: bool = false;
+    const KEEPS_VERTICES: bool = true;
 
     fn steps(&self) -> usize {
         self.removals.len()
