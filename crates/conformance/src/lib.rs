@@ -23,6 +23,7 @@ pub mod source;
 pub mod suite;
 pub mod surface;
 pub mod topology;
+mod vertex_removal;
 
 pub use source::Source;
 pub use suite::check;

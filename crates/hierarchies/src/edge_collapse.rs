@@ -17,24 +17,24 @@
 //! [`Columns`] is what is stored; [`EdgeCollapse::new`] validates it by replaying all splits, and
 //! derives what follows from it: needs, children, bounding spheres, normal cones, vertex normals.
 
+use crate::footprint::{Frame, PackedFootprint};
 use crate::live::{Most, TriangleBuffers, VertexLook, snorm16};
 use crate::model::{LiveMesh, Model, SourceCounts, Stored, TriangleModel};
+use crate::quantize::Places;
 use glam::Vec3;
 use meshfront_mesh::{Bounds, TriangleMesh, VertexColumns, VertexId};
 use meshfront_refine::{Footprint, MultiTessellation, UpdateId};
-use std::array::from_fn;
 
 mod columns;
 mod derive;
 mod encode;
-mod footprint;
 mod front_mesh;
 
-pub use columns::{AddedTriangle, Columns, ExplicitSplit, Grid, InvalidColumns, Oct, round_error_up};
+pub use crate::columns::InvalidColumns;
+pub use crate::quantize::{Grid, Oct, round_error_up};
+pub use columns::{AddedTriangle, Columns, ExplicitSplit};
 pub use encode::{EncodedSplit, StarTriangle, encode_split};
 pub use front_mesh::FrontMesh;
-
-use footprint::{Frame, PackedFootprint};
 
 /// The hierarchy in memory: at most 80 bytes per update at 16 bits, all columns together, without
 /// source normals or colours.
@@ -91,51 +91,6 @@ struct Node {
     /// Where the lists of this update begin in `needs` and in `children`.
     needs: u32,
     children: u32,
-}
-
-/// How positions are kept: the upper 16 bits of a coordinate with the split, the lower ones in a column of their
-/// own where there are any.
-#[derive(Clone, Copy, Debug)]
-enum Places {
-    /// Indices on a grid of up to 16 bits.
-    Grid16(Grid),
-    /// The bits of `f32` coordinates.
-    Points,
-}
-
-impl Places {
-    #[inline]
-    fn join(&self, upper: [u16; 3], lower: impl FnOnce() -> [u16; 3]) -> Vec3 {
-        match self {
-            Places::Grid16(grid) => grid.point(upper.map(u32::from)),
-            Places::Points => {
-                let lower = lower();
-                Vec3::from_array(from_fn(|k| f32::from_bits((upper[k] as u32) << 16 | lower[k] as u32)))
-            }
-        }
-    }
-    /// Upper and lower halves.
-    fn split(&self, p: [Vec3; 2]) -> ([[u16; 3]; 2], [[u16; 3]; 2]) {
-        match self {
-            Places::Grid16(grid) => (p.map(|p| grid.index(p).map(|i| i as u16)), Default::default()),
-            Places::Points => {
-                let bits = p.map(|p| p.to_array().map(f32::to_bits));
-                (bits.map(|p| p.map(|b| (b >> 16) as u16)), bits.map(|p| p.map(|b| b as u16)))
-            }
-        }
-    }
-}
-
-/// Lists of updates, one per update, end to end: list m is `items[offsets[m]..offsets[m + 1]]`.
-struct UpdateLists {
-    offsets: Vec<u32>,
-    items: Vec<UpdateId>,
-}
-
-impl UpdateLists {
-    fn of(&self, m: usize) -> &[UpdateId] {
-        &self.items[self.offsets[m] as usize..self.offsets[m + 1] as usize]
-    }
 }
 
 impl EdgeCollapse {

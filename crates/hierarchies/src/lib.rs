@@ -1,12 +1,18 @@
 //! Multiresolution models: one module each, with its columns and its implementation of the engine's trait.
 
+mod columns;
 pub mod edge_collapse;
+mod footprint;
+mod lists;
 pub mod live;
 mod model;
 mod parallel;
+mod quantize;
 pub mod right_triangles;
 mod slot_table;
+pub mod vertex_removal;
 
 pub use edge_collapse::EdgeCollapse;
 pub use model::{AnySurface, Hierarchy, InvalidStored, LiveMesh, Model, SourceCounts, Stored, TriangleModel};
 pub use right_triangles::RightTriangles;
+pub use vertex_removal::VertexRemoval;

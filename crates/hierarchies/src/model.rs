@@ -1,5 +1,6 @@
 //! What all models of triangle meshes have in common, and which of them there are.
 
+pub use crate::columns::SourceCounts;
 use crate::live::TriangleBuffers;
 use crate::{EdgeCollapse, RightTriangles, edge_collapse, right_triangles};
 use glam::Vec3;
@@ -32,15 +33,6 @@ impl Model {
     pub fn of_name(name: &str) -> Option<Model> {
         Model::ALL.into_iter().find(|model| model.name() == name)
     }
-}
-
-/// Sizes of the source of a hierarchy, after cleaning.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SourceCounts {
-    /// Vertices.
-    pub vertices: u32,
-    /// Triangles.
-    pub triangles: u32,
 }
 
 /// The live mesh of a front.

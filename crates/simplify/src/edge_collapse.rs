@@ -10,9 +10,10 @@
 mod arrange;
 mod block;
 mod collapse;
-mod measure;
+mod trail;
 
-use crate::{BuildError, Progress};
+use crate::measure::measure;
+use crate::{BuildError, Progress, check};
 use meshfront_hierarchies::EdgeCollapse;
 use meshfront_hierarchies::edge_collapse::{Columns, Grid};
 use meshfront_mesh::{Bounds, TriangleMesh};
@@ -58,37 +59,10 @@ pub fn edge_collapse_columns(
     options: &EdgeCollapseOptions,
     progress: &dyn Progress,
 ) -> Result<Columns, BuildError> {
-    check(mesh, options)?;
+    check(mesh, options.bits)?;
     let bounds = Bounds::of(&mesh.positions).ok_or(BuildError::Empty)?;
     let grid = options.bits.map(|bits| Grid::fit(bounds, bits));
     let record = collapse::collapse(mesh, grid, options.base_triangles, progress)?;
-    let errors = measure::measure(mesh, &record, progress)?;
+    let errors = measure(mesh, &record, progress)?;
     Ok(arrange::arrange(mesh, grid, record, errors))
-}
-
-/// Squares of squares of lengths must fit into an `f32`.
-const MOST_COORDINATE: f32 = 1e9;
-
-fn check(mesh: &TriangleMesh, options: &EdgeCollapseOptions) -> Result<(), BuildError> {
-    if let Some(bits) = options.bits.filter(|b| !(10..=24).contains(b)) {
-        return Err(BuildError::Bits(bits));
-    }
-    if mesh.triangles.is_empty() {
-        return Err(BuildError::Empty);
-    }
-    if mesh.triangles.len() > 1 << 27 || mesh.positions.len() > 1 << 26 {
-        return Err(BuildError::TooLarge(mesh.triangles.len()));
-    }
-    let usable = |c: &f32| c.abs() < MOST_COORDINATE;
-    if let Some(v) = mesh.positions.iter().position(|p| !p.as_ref().iter().all(usable)) {
-        return Err(BuildError::NotFinite(v as u32));
-    }
-    let n = mesh.positions.len();
-    let bad = |t: &[meshfront_mesh::VertexId; 3]| {
-        t.iter().any(|v| v.ix() >= n) || t[0] == t[1] || t[1] == t[2] || t[2] == t[0]
-    };
-    match mesh.triangles.iter().position(bad) {
-        Some(t) => Err(BuildError::BadTriangle(t as u32)),
-        None => Ok(()),
-    }
 }

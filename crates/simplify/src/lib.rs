@@ -1,11 +1,17 @@
 //! From a source mesh to a multiresolution hierarchy: one module per model, costs in [`metrics`].
 
 pub mod edge_collapse;
+mod measure;
 pub mod metrics;
+mod order;
 pub mod right_triangles;
+pub mod vertex_removal;
 
 pub use edge_collapse::{EdgeCollapseOptions, edge_collapse, edge_collapse_columns};
 pub use right_triangles::{RightTrianglesOptions, right_triangles, right_triangles_columns};
+pub use vertex_removal::{VertexRemovalOptions, vertex_removal, vertex_removal_columns};
+
+use meshfront_mesh::{TriangleMesh, VertexId};
 
 /// Who wants to know how far a build is, and may stop it.
 pub trait Progress: Sync {
@@ -43,6 +49,12 @@ pub enum BuildError {
     /// More vertices or triangles than 32-bit ids leave room for.
     #[error("{0} triangles: at most 2^27, with 2^26 vertices, fit into one hierarchy; split the mesh")]
     TooLarge(usize),
+    /// The model takes 2-manifolds only.
+    #[error(
+        "vertex {0}: its triangles do not form one fan, all turned the same way; vertex removal takes 2-manifolds only: \
+         build with edge collapse, which takes any triangles"
+    )]
+    NonManifold(u32),
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,
@@ -52,7 +64,33 @@ pub enum BuildError {
     /// Heights that are no terrain.
     #[error("{0}")]
     Heights(#[from] meshfront_hierarchies::right_triangles::InvalidHeights),
-    /// The record of collapses does not replay: a bug in the simplifier.
-    #[error("internal: the recorded collapses do not replay ({0}); please report this with the mesh")]
+    /// The record does not replay: a bug in the simplifier.
+    #[error("internal: the recorded updates do not replay ({0}); please report this with the mesh")]
     Replay(#[from] meshfront_hierarchies::edge_collapse::InvalidColumns),
+}
+
+/// Squares of squares of lengths must fit into an `f32`.
+const MOST_COORDINATE: f32 = 1e9;
+
+/// Whether a mesh and a number of bits can be built from, whatever the model.
+fn check(mesh: &TriangleMesh, bits: Option<u32>) -> Result<(), BuildError> {
+    if let Some(bits) = bits.filter(|b| !(10..=24).contains(b)) {
+        return Err(BuildError::Bits(bits));
+    }
+    if mesh.triangles.is_empty() {
+        return Err(BuildError::Empty);
+    }
+    if mesh.triangles.len() > 1 << 27 || mesh.positions.len() > 1 << 26 {
+        return Err(BuildError::TooLarge(mesh.triangles.len()));
+    }
+    let usable = |c: &f32| c.abs() < MOST_COORDINATE;
+    if let Some(v) = mesh.positions.iter().position(|p| !p.as_ref().iter().all(usable)) {
+        return Err(BuildError::NotFinite(v as u32));
+    }
+    let n = mesh.positions.len();
+    let bad = |t: &[VertexId; 3]| t.iter().any(|v| v.ix() >= n) || t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+    match mesh.triangles.iter().position(bad) {
+        Some(t) => Err(BuildError::BadTriangle(t as u32)),
+        None => Ok(()),
+    }
 }

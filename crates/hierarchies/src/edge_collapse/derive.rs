@@ -1,27 +1,19 @@
 //! From stored columns to a hierarchy: one replay of all splits checks them and yields what is not stored.
 
-use super::columns::{Columns, InvalidColumns, Oct};
-use super::footprint::{Frame, PackedFootprint, angle_between, half_angle};
+use super::columns::Columns;
 use super::front_mesh::{Added, AddedList, FrontMesh, MAX_ADDED, Star, StarCorner, gap_triangle, gaps};
-use super::{EdgeCollapse, Node, Places, Split, UpdateLists};
+use super::{EdgeCollapse, Node, Split};
+use crate::columns::{InvalidColumns, check_base, check_lengths, check_update};
+use crate::footprint::{Cells, Frame, PackedFootprint};
+use crate::lists::UpdateLists;
 use crate::live::Most;
-use arrayvec::ArrayVec;
+use crate::quantize::{Oct, Places};
 use glam::Vec3;
 use meshfront_mesh::Bounds;
-use meshfront_refine::UpdateId;
-use std::f32::consts::{FRAC_PI_2, PI};
+use meshfront_refine::{MultiTessellation, UpdateId};
 
 /// Ids must leave room for triangle numbers and for corners, which are four times a slot.
 const MAX_UPDATES: usize = 1 << 28;
-
-/// Cells of one update: a box around them and a cone around their normals.
-#[derive(Clone, Copy)]
-struct Cells {
-    min: Vec3,
-    max: Vec3,
-    axis: Vec3,
-    half_angle: f32,
-}
 
 /// The update's own share of [`TriangleModel::cost`](crate::TriangleModel::cost): squared distance of s from the planes of M⁺, times their areas.
 fn step_cost(s: Vec3, fine: impl Iterator<Item = [Vec3; 3]>) -> f32 {
@@ -40,8 +32,7 @@ pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
     let mut h = undecorated(columns)?;
     let mut front = FrontMesh::base(&h);
     let mut cells = Vec::with_capacity(updates);
-    let mut needs = UpdateLists { offsets: Vec::with_capacity(updates + 1), items: Vec::with_capacity(3 * updates) };
-    needs.offsets.push(0);
+    let mut needs = UpdateLists::with_capacity(updates);
     let mut ring = vec![];
     for m in 0..updates {
         let invalid = |reason| InvalidColumns::Update { update: m as u32, reason };
@@ -63,7 +54,7 @@ pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
         if ring.iter().any(|&n| h.error(n) < h.error(id)) {
             return Err(invalid("its error is larger than that of an update that it needs"));
         }
-        push_reduced(&mut needs, &ring);
+        needs.push_reduced(&ring);
 
         h.splits[m].level = front.buffers.levels[slot as usize];
         h.splits[m].added = added.len() as u8;
@@ -81,7 +72,7 @@ pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
         front.refine(&h, id);
     }
     h.most = Most { vertices: front.vertices(), triangles: front.triangles() };
-    let children = reversed(&needs);
+    let children = needs.reversed();
     h.roots = (0..updates as u32).map(UpdateId).filter(|m| needs.of(m.ix()).is_empty()).collect();
     for (m, node) in h.nodes.iter_mut().enumerate() {
         (node.needs, node.children) = (needs.offsets[m], children.offsets[m]);
@@ -90,7 +81,10 @@ pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
     if !h.source_normals {
         derive_normals(&mut h, &front);
     }
-    derive_footprints(&mut h, &cells);
+    for m in (0..updates).rev() {
+        let children = h.children_of(UpdateId(m as u32)).iter().map(|&c| h.footprint(c));
+        h.nodes[m].footprint = h.frame.nest(h.nodes[m].footprint.error, &cells[m], children);
+    }
     for m in (0..updates).rev() {
         h.costs[m] = h.children_of(UpdateId(m as u32)).iter().map(|c| h.costs[c.ix()]).fold(h.costs[m], f32::max);
     }
@@ -101,7 +95,7 @@ pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
 fn check_shape(c: &Columns) -> Result<(), InvalidColumns> {
     let updates = c.vertex.len();
     let base = &c.base;
-    let lengths = [
+    check_lengths(&[
         ("sides", c.sides.len(), updates, false),
         ("positions", c.positions.len(), updates, false),
         ("errors", c.errors.len(), updates, false),
@@ -109,43 +103,14 @@ fn check_shape(c: &Columns) -> Result<(), InvalidColumns> {
         ("colors", c.colors.len(), updates, base.vertex.colors.is_empty()),
         ("base normals", base.vertex.normals.len(), base.positions.len(), c.normals.is_empty()),
         ("base colors", base.vertex.colors.len(), base.positions.len(), c.colors.is_empty()),
-    ];
-    for (column, found, expected, may_be_empty) in lengths {
-        if found != expected && !(may_be_empty && found == 0) {
-            return Err(InvalidColumns::Length { column, found, expected });
-        }
-    }
+    ])?;
     if updates > MAX_UPDATES || base.positions.len() > MAX_UPDATES || base.triangles.len() > MAX_UPDATES {
         return Err(InvalidColumns::TooMany(updates.max(base.positions.len()).max(base.triangles.len())));
     }
-    if base.triangles.iter().flatten().any(|v| v.ix() >= base.positions.len()) {
-        return Err(InvalidColumns::Base("a triangle names a vertex that does not exist"));
-    }
-    if base.triangles.iter().any(|t| t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
-        return Err(InvalidColumns::Base("a triangle names a vertex twice"));
-    }
-    if !base.positions.iter().chain(&base.vertex.normals).all(|p| p.is_finite()) {
-        return Err(InvalidColumns::Base("a coordinate is not a finite number"));
-    }
-    if !(c.floor_error.is_finite() && c.floor_error >= 0.0) {
-        return Err(InvalidColumns::Base("the floor error is not a finite number"));
-    }
-    if c.grid
-        .is_some_and(|g| !(g.origin.is_finite() && g.step.is_finite() && g.step > 0.0 && (1..=24).contains(&g.bits)))
-    {
-        return Err(InvalidColumns::Base("the grid of positions is not one"));
-    }
+    check_base(base, c.grid, c.floor_error)?;
     let invalid = |update: usize, reason| Err(InvalidColumns::Update { update: update as u32, reason });
     for m in 0..updates {
-        if !c.positions[m].iter().all(|p| p.is_finite()) {
-            return invalid(m, "a coordinate is not a finite number");
-        }
-        if !(c.errors[m].is_finite() && c.errors[m] >= 0.0) {
-            return invalid(m, "its error is not a finite number");
-        }
-        if c.grid.is_some_and(|g| c.positions[m].iter().any(|&p| g.snap(p) != p)) {
-            return invalid(m, "a position is not on the grid");
-        }
+        check_update(m, &c.positions[m], c.errors[m], c.grid)?;
     }
     for pair in c.explicit.windows(2) {
         if pair[0].update >= pair[1].update {
@@ -183,10 +148,7 @@ fn undecorated(c: Columns) -> Result<EdgeCollapse, InvalidColumns> {
     });
     let frame = Frame::new(bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }));
     let source_normals = !c.base.vertex.normals.is_empty();
-    let places = match c.grid {
-        Some(grid) if grid.bits <= 16 => Places::Grid16(grid),
-        _ => Places::Points,
-    };
+    let places = Places::on(c.grid);
     Ok(EdgeCollapse {
         base_normals: if source_normals {
             c.base.vertex.normals.iter().map(|&n| Oct::encode(n)).collect()
@@ -197,7 +159,7 @@ fn undecorated(c: Columns) -> Result<EdgeCollapse, InvalidColumns> {
         splits: (0..updates)
             .map(|m| {
                 let normals = c.normals.get(m).copied().unwrap_or_default();
-                let (place, _) = places.split(c.positions[m]);
+                let place = c.positions[m].map(|p| places.split(p).0);
                 Split { vertex: c.vertex[m], sides: c.sides[m], normals, place, level: 0, added: 0, gaps: [0; 2] }
             })
             .collect(),
@@ -205,7 +167,7 @@ fn undecorated(c: Columns) -> Result<EdgeCollapse, InvalidColumns> {
         explicit_extra,
         fine_places: match places {
             Places::Grid16(_) => vec![],
-            Places::Points => c.positions.iter().map(|&p| places.split(p).1).collect(),
+            Places::Points => c.positions.iter().map(|pair| pair.map(|p| places.split(p).1)).collect(),
         },
         places,
         grid: c.grid,
@@ -264,125 +226,20 @@ fn check_split(h: &EdgeCollapse, m: UpdateId, star: &Star) -> Result<(AddedList,
     Ok((added, closed))
 }
 
-/// Appends the needs of one update, without those that another of them needs anyway.
-fn push_reduced(needs: &mut UpdateLists, direct: &[UpdateId]) {
-    // A bounded search finds nearly all that is implied; the rest costs four bytes and changes nothing.
-    const MOST_VISITS: usize = 12;
-    let least = direct.first().copied().unwrap_or(UpdateId(0));
-    let mut implied = [false; 3 * Columns::MAX_STAR];
-    let mut stack = [UpdateId(0); MOST_VISITS];
-    for (i, &from) in direct.iter().enumerate().rev() {
-        if implied[i] {
-            continue; // what it needs was seen below the one that implies it
-        }
-        let (mut len, mut visits) = (1, 0);
-        stack[0] = from;
-        while len > 0 && visits < MOST_VISITS {
-            len -= 1;
-            visits += 1;
-            for &n in needs.of(stack[len].ix()) {
-                if n < least {
-                    continue;
-                }
-                if let Ok(k) = direct.binary_search(&n) {
-                    implied[k] = true;
-                }
-                if len < MOST_VISITS {
-                    stack[len] = n;
-                    len += 1;
-                }
-            }
-        }
-    }
-    needs.items.extend(direct.iter().zip(implied).filter(|(_, implied)| !implied).map(|(&n, _)| n));
-    needs.offsets.push(needs.items.len() as u32);
-}
-
-fn reversed(needs: &UpdateLists) -> UpdateLists {
-    let updates = needs.offsets.len() - 1;
-    let mut offsets = vec![0u32; updates + 1];
-    for n in &needs.items {
-        offsets[n.ix() + 1] += 1;
-    }
-    for m in 0..updates {
-        offsets[m + 1] += offsets[m];
-    }
-    let mut at = offsets.clone();
-    let mut items = vec![UpdateId(0); needs.items.len()];
-    for m in 0..updates {
-        for n in needs.of(m) {
-            items[at[n.ix()] as usize] = UpdateId(m as u32);
-            at[n.ix()] += 1;
-        }
-    }
-    UpdateLists { offsets, items }
-}
-
+/// All cells of an update, M⁻ and M⁺.
 fn cells_of(h: &EdgeCollapse, m: UpdateId, points: &[Vec3], slot: u32, star: &Star, added: &AddedList) -> Cells {
     let s = points[slot as usize];
-    let children = h.places(m);
-    let (mut min, mut max) = (s.min(children[0]).min(children[1]), s.max(children[0]).max(children[1]));
-    let mut normals = ArrayVec::<Vec3, { 2 * Columns::MAX_STAR + MAX_ADDED }>::new();
-    let mut cell = |a: Vec3, b: Vec3, c: Vec3| {
-        let normal = (b - a).cross(c - a).normalize_or_zero();
-        if normal != Vec3::ZERO {
-            normals.push(normal);
-        }
-    };
-    for (i, t) in star.iter().enumerate() {
+    let [u, v] = h.places(m);
+    let sides = h.splits[m.ix()].sides;
+    let stay = star.iter().enumerate().flat_map(|(i, t)| {
         let (a, b) = (points[t.after as usize], points[t.before as usize]);
-        (min, max) = (min.min(a).min(b), max.max(a).max(b));
-        cell(s, a, b);
-        cell(children[(h.splits[m.ix()].sides >> i & 1) as usize], a, b);
-    }
-    for a in added {
+        [[s, a, b], [if sides >> i & 1 == 1 { v } else { u }, a, b]]
+    });
+    let gone = added.iter().map(|a| {
         let w = points[a.w as usize];
-        let [u, v] = children;
-        if a.flipped { cell(v, w, u) } else { cell(u, w, v) }
-    }
-    let axis = normals.iter().sum::<Vec3>().normalize_or(Vec3::Z);
-    let cos = normals.iter().map(|n| n.dot(axis)).fold(1.0, f32::min);
-    Cells { min, max, axis, half_angle: if cos <= 0.0 { PI } else { cos.acos() } }
-}
-
-/// Fine to coarse: each footprint holds the update's own cells and the footprints of its children, as they are
-/// after packing, so that what criteria see nests.
-fn derive_footprints(h: &mut EdgeCollapse, cells: &[Cells]) {
-    for m in (0..cells.len()).rev() {
-        let own = &cells[m];
-        let children = h.children_of(UpdateId(m as u32));
-        let (mut min, mut max) = (own.min, own.max);
-        let mut axis = own.axis;
-        let mut culls = own.half_angle < FRAC_PI_2;
-        for c in children {
-            let f = h.frame.unpack(&h.nodes[c.ix()].footprint);
-            (min, max) = (min.min(f.center - f.radius), max.max(f.center + f.radius));
-            axis += f.cone.axis;
-            culls &= f.cone.cos > 0.0;
-        }
-        let footprint = h.frame.pack(
-            h.nodes[m].footprint.error,
-            (min + max) * 0.5,
-            axis.normalize_or(Vec3::Z),
-            |center| {
-                let corner = (own.min - center).abs().max((own.max - center).abs()).length();
-                children.iter().fold(corner, |radius, c| {
-                    let f = h.frame.unpack(&h.nodes[c.ix()].footprint);
-                    radius.max(center.distance(f.center) + f.radius)
-                })
-            },
-            |axis| {
-                if !culls {
-                    return PI;
-                }
-                children.iter().fold(angle_between(axis, own.axis) + own.half_angle, |angle, c| {
-                    let f = h.frame.unpack(&h.nodes[c.ix()].footprint);
-                    angle.max(angle_between(axis, f.cone.axis) + half_angle(&f.cone))
-                })
-            },
-        );
-        h.nodes[m].footprint = footprint;
-    }
+        if a.flipped { [v, w, u] } else { [u, w, v] }
+    });
+    Cells::of(stay.chain(gone))
 }
 
 /// Vertex normals where the source had none: each vertex, of any level, gets the area-weighted mean normal of the

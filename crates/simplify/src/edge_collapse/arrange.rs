@@ -1,17 +1,12 @@
 //! The record, sorted coarse to fine and numbered: the columns of the hierarchy.
-//!
-//! Order: by octave of the error, so that a prefix is a mesh of that error; inside an octave along a space-filling curve,
-//! each update right after those of its needs that were still missing. Neighbours in space are neighbours in
-//! memory and in the file.
 
 use super::collapse::Record;
-use super::measure::Errors;
-use glam::Vec3;
+use crate::measure::Errors;
+use crate::order::{morton, order};
 use meshfront_hierarchies::SourceCounts;
-use meshfront_hierarchies::edge_collapse::{Columns, ExplicitSplit, Grid, StarTriangle, encode_split, round_error_up};
+use meshfront_hierarchies::edge_collapse::{Columns, ExplicitSplit, Grid, StarTriangle, encode_split};
 use meshfront_mesh::{Bounds, TriangleMesh, VertexColumns, VertexId};
 use meshfront_refine::UpdateId;
-use rayon::prelude::*;
 
 /// No collapse; no number yet.
 const NONE: u32 = u32::MAX;
@@ -29,36 +24,9 @@ pub(super) fn arrange(source: &TriangleMesh, grid: Option<Grid>, record: Record,
         ring.chain([(leaves + i) as u32]).map(|x| parent[x as usize]).filter(|&p| p != NONE)
     };
 
-    // Errors never grow downwards: what is needed is at least as wrong. Needs come later in the record.
-    let mut error: Vec<f32> = errors.collapses.into_iter().map(round_error_up).collect();
-    for i in 0..updates {
-        for p in needs(i) {
-            error[p as usize] = error[p as usize].max(error[i]);
-        }
-    }
-    let octave: Vec<u32> = error.iter().map(|e| e.to_bits() >> 23).collect();
     let bounds = Bounds::of(&record.positions).expect("a mesh with triangles has vertices");
-    let curve: Vec<u64> = record.positions[leaves..].par_iter().map(|&p| morton(&bounds, p)).collect();
-    let mut along: Vec<u32> = (0..updates as u32).collect();
-    along.par_sort_unstable_by_key(|&i| (std::cmp::Reverse(octave[i as usize]), curve[i as usize], i));
-    let mut order: Vec<u32> = Vec::with_capacity(updates);
-    let mut placed = vec![false; updates];
-    let mut stack = vec![];
-    for &seed in &along {
-        stack.push(seed);
-        while let Some(&i) = stack.last() {
-            let open = stack.len();
-            if !placed[i as usize] {
-                stack.extend(needs(i as usize).filter(|&p| !placed[p as usize]));
-            }
-            if stack.len() == open {
-                stack.pop();
-                if !std::mem::replace(&mut placed[i as usize], true) {
-                    order.push(i);
-                }
-            }
-        }
-    }
+    let mut error = errors.steps;
+    let order = order(&bounds, &record.positions[leaves..], needs, &mut error);
 
     let mut made = Columns {
         grid,
@@ -152,25 +120,4 @@ fn number_base(
             },
         },
     };
-}
-
-/// The place of a point on a Z-order curve through a box, 21 bits a side.
-fn morton(bounds: &Bounds, p: Vec3) -> u64 {
-    let side = (bounds.max - bounds.min).max_element().max(f32::MIN_POSITIVE);
-    let cell = ((p - bounds.min) / side * ((1 << 21) - 1) as f32).as_uvec3();
-    // Spreads 21 bits to every third place, in halves.
-    let spread = |x: u32| {
-        let mut x = x as u64 & 0x1f_ffff;
-        for (shift, mask) in [
-            (32, 0x1f_0000_0000_ffff),
-            (16, 0x1f_0000_ff00_00ff),
-            (8, 0x100f_00f0_0f00_f00f),
-            (4, 0x10c3_0c30_c30c_30c3),
-            (2, 0x1249_2492_4924_9249),
-        ] {
-            x = (x | x << shift) & mask;
-        }
-        x
-    };
-    spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
 }

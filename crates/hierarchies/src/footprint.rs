@@ -1,6 +1,7 @@
 //! Footprints in 16 bytes: what a criterion reads is one quarter of a cache line.
 
-use super::Oct;
+use crate::quantize::Oct;
+use arrayvec::ArrayVec;
 use glam::Vec3;
 use meshfront_mesh::Bounds;
 use meshfront_refine::{Footprint, NormalCone};
@@ -8,7 +9,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Everything rounds to the safe side: spheres and cones only grow by packing.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct PackedFootprint {
+pub(crate) struct PackedFootprint {
     pub error: f32,
     /// Position in the frame.
     center: [u16; 3],
@@ -29,7 +30,7 @@ impl PackedFootprint {
 
 /// The box in which centres are quantized.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
     min: Vec3,
     step: f32,
     max: Vec3,
@@ -88,12 +89,12 @@ fn unpack_axis(axis: [i8; 2]) -> Vec3 {
 }
 
 /// The half angle of a cone, radians; π where it culls nothing.
-pub(super) fn half_angle(cone: &NormalCone) -> f32 {
+fn half_angle(cone: &NormalCone) -> f32 {
     if cone.cos <= 0.0 { PI } else { cone.cos.min(1.0).acos() }
 }
 
 /// The angle between two unit vectors, accurate for small angles too.
-pub(super) fn angle_between(a: Vec3, b: Vec3) -> f32 {
+fn angle_between(a: Vec3, b: Vec3) -> f32 {
     a.cross(b).length().atan2(a.dot(b))
 }
 
@@ -108,6 +109,64 @@ fn pack_angle(angle: f32) -> i16 {
         cos -= 1;
     }
     if cos > 0 { cos } else { -32767 }
+}
+
+/// Cells of one update: a box around them and a cone around their normals.
+#[derive(Clone, Copy)]
+pub(crate) struct Cells {
+    min: Vec3,
+    max: Vec3,
+    axis: Vec3,
+    half_angle: f32,
+}
+
+impl Cells {
+    /// As many triangles as an update may replace and make.
+    const MOST: usize = 96;
+
+    /// Of the corners of M⁻ and M⁺: at most 96 triangles.
+    #[inline]
+    pub fn of(triangles: impl Iterator<Item = [Vec3; 3]>) -> Cells {
+        let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let mut normals = ArrayVec::<Vec3, { Cells::MOST }>::new();
+        for [a, b, c] in triangles {
+            (min, max) = (min.min(a).min(b).min(c), max.max(a).max(b).max(c));
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            if normal != Vec3::ZERO {
+                normals.push(normal);
+            }
+        }
+        let axis = normals.iter().sum::<Vec3>().normalize_or(Vec3::Z);
+        let cos = normals.iter().map(|n| n.dot(axis)).fold(1.0, f32::min);
+        Cells { min, max, axis, half_angle: if cos <= 0.0 { PI } else { cos.acos() } }
+    }
+}
+
+impl Frame {
+    /// The footprint that holds an update's own cells and the footprints of its children, as they are after packing, so
+    /// that what criteria see nests.
+    pub fn nest(&self, error: f32, own: &Cells, children: impl Iterator<Item = Footprint> + Clone) -> PackedFootprint {
+        let (mut min, mut max) = (own.min, own.max);
+        let mut axis = own.axis;
+        let mut culls = own.half_angle < FRAC_PI_2;
+        for f in children.clone() {
+            (min, max) = (min.min(f.center - f.radius), max.max(f.center + f.radius));
+            axis += f.cone.axis;
+            culls &= f.cone.cos > 0.0;
+        }
+        let radius_at = |center: Vec3| {
+            let corner = (own.min - center).abs().max((own.max - center).abs()).length();
+            children.clone().fold(corner, |radius, f| radius.max(center.distance(f.center) + f.radius))
+        };
+        let angle_at = |axis: Vec3| {
+            if !culls {
+                return PI;
+            }
+            let own = angle_between(axis, own.axis) + own.half_angle;
+            children.clone().fold(own, |angle, f| angle.max(angle_between(axis, f.cone.axis) + half_angle(&f.cone)))
+        };
+        self.pack(error, (min + max) * 0.5, axis.normalize_or(Vec3::Z), radius_at, angle_at)
+    }
 }
 
 #[cfg(test)]

@@ -1,86 +1,155 @@
 //! How far the source is from the coarse cells of each update, measured.
 //!
-//! Points of the source are followed through the record: a point lies on a cell; when a collapse replaces that
-//! cell, the point moves to the nearest of the collapse's coarse cells M⁻ (never to another: only so is its cell
-//! part of *every* front in which the collapse is not undone). The largest distance that a collapse sees
+//! Points of the source are followed through the record of a simplification: a point lies on a cell; when a step replaces that
+//! cell, the point moves to the nearest of the step's coarse cells M⁻ (never to another: only so is its cell
+//! part of *every* front in which the step is not undone). The largest distance that a step sees
 //! is its error. In any front each point is on exactly one cell, which was made by an unapplied update,
 //! so the largest error of the unapplied updates bounds the distance of all points from the front.
 //!
 //! Each point's way depends on no other point: they are followed in parallel, and maxima do not depend on order.
 
-use super::collapse::Record;
 use crate::{BuildError, Progress};
 use glam::Vec3;
-use meshfront_hierarchies::edge_collapse::Columns;
 use meshfront_mesh::{TriangleMesh, VertexId};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
-/// No collapse.
-const NONE: u32 = u32::MAX;
+/// A record that points can be followed through: which cells each step replaces by which, fine to coarse.
+pub(crate) trait Trail: Sync {
+    /// Whether the coarse cells of a step are a fan, each next to the one before.
+    const FAN: bool;
+    /// Whether all vertices of coarse cells are where the source has one. The distance of a source triangle from the coarse
+    /// cells is then greatest on its edges: where they end, or cross those of coarse cells.
+    const KEEPS_VERTICES: bool;
+    /// Number of steps.
+    fn steps(&self) -> usize;
+    /// Where a source vertex is at full resolution: on the grid, where there is one.
+    fn position(&self, vertex: VertexId) -> Vec3;
+    /// Whether a source vertex lies on an edge with other than two triangles.
+    fn on_rim(&self, vertex: VertexId) -> bool;
+    /// The coarse cells of a step: their indices among those of all steps.
+    fn coarse(&self, step: usize) -> Range<usize>;
+    /// The corners of one of them.
+    fn corners(&self, step: usize, cell: usize) -> [Vec3; 3];
+    /// Where the vertices are that a step takes away.
+    fn gone(&self, step: usize) -> impl Iterator<Item = Vec3>;
+    /// Where points go, given the number of source triangles.
+    fn ways(&self, triangles: usize) -> Ways;
+}
 
-pub(super) struct Errors {
-    /// Per collapse, mesh units.
-    pub collapses: Vec<f32>,
+/// Where the points on a cell go next.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Way(u32);
+
+impl Way {
+    /// Nowhere: no step replaces the cell.
+    pub const NONE: Way = Way(u32::MAX);
+    /// As many coarse cells as a step may have.
+    pub const MOST_CELLS: usize = 32;
+    const BITS: u32 = Way::MOST_CELLS.trailing_zeros();
+
+    /// To the place-th coarse cell of a step, which is the cell itself, moved.
+    pub fn stays(step: usize, place: usize) -> Way {
+        Way((step as u32) << (Way::BITS + 1) | place as u32)
+    }
+    /// To the coarse cells of a step, of which the place-th is near: the cell itself is gone.
+    pub fn vanishes(step: usize, place: usize) -> Way {
+        Way(Way::stays(step, place).0 | 1 << Way::BITS)
+    }
+    pub fn step(self) -> usize {
+        (self.0 >> (Way::BITS + 1)) as usize
+    }
+    fn place(self) -> usize {
+        self.0 as usize & (Way::MOST_CELLS - 1)
+    }
+    fn is_to_itself(self) -> bool {
+        self.0 >> Way::BITS & 1 == 0
+    }
+}
+
+pub(crate) struct Ways {
+    /// Per source triangle: where its points go first.
+    pub first: Vec<Way>,
+    /// Per coarse cell: where the points on it go next.
+    pub next: Vec<Way>,
+}
+
+pub(crate) struct Errors {
+    /// Per step, mesh units.
+    pub steps: Vec<f32>,
     /// Of the full-resolution front: what quantization alone does.
     pub floor: f32,
 }
 
 /// Followed points: source vertices, `pieces - 1` inside each edge, and inside each triangle those of a lattice that
-/// is finer by one.
+/// is finer by one, where there may be a greatest distance.
 #[derive(Clone, Copy)]
 struct Sampling {
     pieces: u32,
+    inside: bool,
 }
 
 impl Sampling {
     /// The fewest: middles of edges and of triangles.
-    const FEWEST: Sampling = Sampling { pieces: 2 };
+    const FEWEST: Sampling = Sampling { pieces: 2, inside: true };
 
     /// Small meshes can afford more points, and need them: few triangles stand behind each cell.
-    fn of(triangles: usize) -> Sampling {
+    fn of<T: Trail>(triangles: usize) -> Sampling {
         const MOST_PIECES: u32 = 8;
-        const MOST_POINTS: f32 = 4e5;
-        let fits = |s: &Sampling| s.per_triangle() * triangles as f32 <= MOST_POINTS;
-        (2..=MOST_PIECES).rev().map(|pieces| Sampling { pieces }).find(fits).unwrap_or(Sampling::FEWEST)
+        let (fewest, most_points) =
+            if T::KEEPS_VERTICES { (Sampling { pieces: 4, inside: false }, 8e5) } else { (Sampling::FEWEST, 4e5) };
+        let fits = |s: &Sampling| s.per_triangle() * triangles as f32 <= most_points;
+        let finer = (fewest.pieces..=MOST_PIECES).rev().map(|pieces| Sampling { pieces, ..fewest });
+        finer.into_iter().find(fits).unwrap_or(fewest)
     }
     /// Its inside, half of each edge, a sixth of each corner.
-    const fn per_triangle(self) -> f32 {
+    fn per_triangle(self) -> f32 {
         let n = self.pieces as f32;
-        n * (n - 1.0) * 0.5 + 1.5 * (n - 1.0) + 0.5
+        let inside = if self.inside { n * (n - 1.0) * 0.5 } else { 0.0 };
+        inside + 1.5 * (n - 1.0) + 0.5
+    }
+    /// What the distance of all other points may exceed that of the followed ones by, on a cell with the area of so many
+    /// source triangles like the one that the point comes from (the square of that number is given).
+    ///
+    /// Set from dense samples, and the suite checks it too. Where points lie everywhere, on scans and on small random
+    /// complexes: most where cells are of the size of the source's triangles, so that few points are on each. Where points lie on
+    /// edges, the pieces count: of a million samples on scans, terrains and knots of 1,000 to 100,000 triangles the farthest
+    /// was up to 1.7 times as far with 4 pieces, 1.34 times with 6, 1.3 times with 8.
+    #[inline]
+    fn margin(self, triangles_squared: f32) -> f32 {
+        if self.inside {
+            (2.9 - 0.15 * 0.5 * triangles_squared.max(1.0).log2()).clamp(1.4, 2.3)
+        } else {
+            1.0 + 4.0 / self.pieces as f32
+        }
     }
     /// As fractions of an edge.
     fn on_edge(self) -> impl Iterator<Item = f32> {
         (1..self.pieces).map(move |i| i as f32 / self.pieces as f32)
     }
     /// As weights of the second and the third corner.
-    fn inside(self) -> impl Iterator<Item = [f32; 2]> {
-        let n = self.pieces + 1;
+    fn within(self) -> impl Iterator<Item = [f32; 2]> {
+        let n = if self.inside { self.pieces + 1 } else { 1 };
         (1..n).flat_map(move |i| (1..n - i).map(move |j| [i as f32 / n as f32, j as f32 / n as f32]))
     }
 }
 
-/// How many points a cell keeps, on average. With more, those that are no farther away than the collapse itself moved
+/// How many points a cell keeps, on average. With more, those that are no farther away than the step itself moved
 /// the surface are thinned out: neighbours see what they would see.
 const PER_CELL: f32 = 10.0;
-/// What the distance of all other points may exceed that of the followed ones by, on a cell with the area of so many
-/// source triangles like the one that the point comes from (the square of that number is given). Most where cells are of
-/// the size of the source's triangles, so that few points are on each. Set from dense samples on scans and on small
-/// random complexes, with which the suite checks it too.
-#[inline]
-fn margin(triangles_squared: f32) -> f32 {
-    (2.9 - 0.15 * 0.5 * triangles_squared.max(1.0).log2()).clamp(1.4, 2.3)
-}
-
-/// Measures the error of each collapse, in parallel; the result does not depend on the number of threads.
-pub(super) fn measure(source: &TriangleMesh, record: &Record, progress: &dyn Progress) -> Result<Errors, BuildError> {
+/// Measures the error of each step, in parallel; the result does not depend on the number of threads.
+pub(crate) fn measure<T: Trail>(
+    source: &TriangleMesh,
+    trail: &T,
+    progress: &dyn Progress,
+) -> Result<Errors, BuildError> {
     let count = source.triangles.len();
     progress.phase("measure", "triangles", count as u64);
-    let ways = Ways::of(record, count);
-    let squared: Vec<AtomicU32> = (0..record.collapses.len()).map(|_| AtomicU32::new(0)).collect();
+    let ways = trail.ways(count);
+    let squared: Vec<AtomicU32> = (0..trail.steps()).map(|_| AtomicU32::new(0)).collect();
     let floor = AtomicU32::new(0);
-    let sampling = Sampling::of(count);
+    let sampling = Sampling::of::<T>(count);
     let done = AtomicU64::new(0);
 
     // Each vertex goes with the first triangle that has it, so that what goes the same way goes together.
@@ -95,8 +164,8 @@ pub(super) fn measure(source: &TriangleMesh, record: &Record, progress: &dyn Pro
         })
         .collect();
 
-    let moved: Vec<f32> = (0..record.collapses.len()).into_par_iter().map(|i| record.moved(i)).collect();
-    let walk = Walk { record, ways: &ways, moved: &moved, squared: &squared };
+    let moved: Vec<f32> = (0..trail.steps()).into_par_iter().map(|i| moved(trail, i)).collect();
+    let walk = Walk { trail, sampling, ways: &ways, moved: &moved, squared: &squared };
     let triangles: Vec<u32> = (0..count as u32).collect();
     triangles.par_chunks(4096).for_each(|chunk| {
         if progress.cancelled() {
@@ -115,18 +184,18 @@ pub(super) fn measure(source: &TriangleMesh, record: &Record, progress: &dyn Pro
             };
             for k in 0..3 {
                 if fresh[t as usize][k] {
-                    let v = corners[k].ix();
-                    raise(&floor, source.positions[v].distance_squared(record.positions[v]));
-                    follow(source.positions[v]);
+                    let at = source.positions[corners[k].ix()];
+                    raise(&floor, at.distance_squared(trail.position(corners[k])));
+                    follow(at);
                 }
             }
-            for [along_b, along_c] in sampling.inside() {
+            for [along_b, along_c] in sampling.within() {
                 follow(a + (b - a) * along_b + (c - a) * along_c);
             }
             for (k, p, q) in [(0, a, b), (1, b, c), (2, c, a)] {
                 // An inner edge is seen from both sides: it is followed from one.
                 let (from, to) = (corners[k], corners[(k + 1) % 3]);
-                if from < to || (record.rim[from.ix()] && record.rim[to.ix()]) {
+                if from < to || (trail.on_rim(from) && trail.on_rim(to)) {
                     for along in sampling.on_edge() {
                         follow(p + (q - p) * along);
                     }
@@ -139,7 +208,7 @@ pub(super) fn measure(source: &TriangleMesh, record: &Record, progress: &dyn Pro
         return Err(BuildError::Cancelled);
     }
     let root = |a: AtomicU32| f32::from_bits(a.into_inner()).sqrt();
-    Ok(Errors { collapses: squared.into_iter().map(root).collect(), floor: root(floor) })
+    Ok(Errors { steps: squared.into_iter().map(root).collect(), floor: root(floor) })
 }
 
 /// A number in (0, 1] that looks random: the same for the same point on every machine.
@@ -150,96 +219,59 @@ fn fraction(triangle: u32, count: u32) -> f32 {
     ((x >> 40) + 1) as f32 / (1 << 24) as f32
 }
 
-/// Where a point goes next: `collapse << 6 | place`, the place of its triangle in the collapse's star; with `VANISHES`,
-/// the place of a neighbour of its triangle, which the collapse removes.
-type Way = u32;
-const VANISHES: u32 = 1 << 5;
-const PLACE: u32 = VANISHES - 1;
-const _: () = assert!(Columns::MAX_STAR <= PLACE as usize);
-
-struct Ways {
-    /// Per source triangle: where its points go first.
-    first: Vec<Way>,
-    /// Parallel to `Record::star`: where the points on that cell go next.
-    next: Vec<Way>,
+/// The squared distance from the surface of the farthest of the vertices that a step takes away.
+fn moved(trail: &impl Trail, step: usize) -> f32 {
+    let from = |p: Vec3| {
+        trail.coarse(step).map(|e| nearest(seen_from(p, trail.corners(step, e)))).fold(f32::INFINITY, f32::min)
+    };
+    trail.gone(step).map(from).fold(0.0, f32::max)
 }
 
-impl Ways {
-    fn of(record: &Record, triangles: usize) -> Ways {
-        let mut touch = vec![NONE; triangles];
-        let mut next = vec![NONE; record.star.len()];
-        for i in (0..record.collapses.len()).rev() {
-            let star = record.star_of(i);
-            for (place, e) in star.clone().enumerate() {
-                let t = record.star[e].triangle as usize;
-                next[e] = std::mem::replace(&mut touch[t], (i as u32) << 6 | place as u32);
-            }
-            for r in record.removed_of(i) {
-                let place = record.star[star.clone()].iter().position(|t| t.after == r.w || t.before == r.w);
-                touch[r.triangle as usize] = (i as u32) << 6 | VANISHES | place.unwrap_or(0) as u32;
-            }
-        }
-        Ways { first: touch, next }
-    }
-}
-
-impl Record {
-    /// The cell of a star as seen from a point.
-    #[inline]
-    fn cell(&self, i: usize, e: usize, p: Vec3) -> [Vec3; 3] {
-        let cell = self.star[e];
-        [self.leaves + i as u32, cell.after, cell.before].map(|v| self.positions[v as usize] - p)
-    }
-
-    /// The squared distance from the surface of the farther one of the two vertices that a collapse merges.
-    fn moved(&self, i: usize) -> f32 {
-        let collapse = self.collapses[i];
-        let from = |v: u32| {
-            let p = self.positions[v as usize];
-            self.star_of(i).map(|e| nearest(self.cell(i, e, p))).fold(f32::INFINITY, f32::min)
-        };
-        from(collapse.u).max(from(collapse.v))
-    }
+#[inline]
+fn seen_from(p: Vec3, corners: [Vec3; 3]) -> [Vec3; 3] {
+    corners.map(|c| c - p)
 }
 
 /// What points are followed through.
-struct Walk<'a> {
-    record: &'a Record,
+struct Walk<'a, T> {
+    trail: &'a T,
+    sampling: Sampling,
     ways: &'a Ways,
     moved: &'a [f32],
     squared: &'a [AtomicU32],
 }
 
-impl Walk<'_> {
-    /// Follows a point from a source triangle of twice this area until no collapse is left, or until its cell has more
-    /// than `PER_CELL` points a `fraction` of which stays, and is no farther than the collapse itself moved the surface.
+impl<T: Trail> Walk<'_, T> {
+    /// Follows a point from a source triangle of twice this area until no step is left, or until its cell has more
+    /// than `PER_CELL` points a `fraction` of which stays, and is no farther than the step itself moved the surface.
     fn follow(&self, p: Vec3, triangle: u32, longest: f32, crowd: f32) {
         let per_area_squared = 4.0 / 3.0 / (longest * longest).max(f32::MIN_POSITIVE);
         let crowd_squared = crowd * crowd;
         let mut way = self.ways.first[triangle as usize];
-        while way != NONE {
-            let i = (way >> 6) as usize;
-            let star = self.record.star_of(i);
-            let start = star.start + (way & PLACE) as usize;
-            let corners = self.record.cell(i, start, p);
+        while way != Way::NONE {
+            let i = way.step();
+            let cells = self.trail.coarse(i);
+            let start = cells.start + way.place();
+            let corners = self.cell(i, start, p);
             // Mostly the point's own triangle is still there, and the point still above it: that is near enough.
-            let own = if way & VANISHES == 0 { above(corners) } else { None };
+            let own = if way.is_to_itself() { above(corners) } else { None };
             let (mut distance, mut at) = match own {
                 Some(distance) => (distance, start),
-                None => self.nearest_in_fan(i, &star, start, nearest(corners), p),
+                None if T::FAN => self.nearest_in_fan(i, &cells, start, nearest(corners), p),
+                None => (nearest(corners), start),
             };
-            if distance > self.moved[i] {
+            if distance > self.moved[i] || !T::FAN {
                 // It may be the one that counts: look at all cells.
-                for e in star {
-                    let d = nearest(self.record.cell(i, e, p));
+                for e in cells {
+                    let d = nearest(self.cell(i, e, p));
                     if d < distance {
                         (distance, at) = (d, e);
                     }
                 }
             }
-            let [a, b, c] = self.record.cell(i, at, p);
+            let [a, b, c] = self.cell(i, at, p);
             let area_squared = (b - a).cross(c - a).length_squared();
-            raise(&self.squared[i], distance * margin(area_squared * per_area_squared).powi(2));
+            raise(&self.squared[i], distance * self.sampling.margin(area_squared * per_area_squared).powi(2));
             way = self.ways.next[at];
             if distance <= self.moved[i] && area_squared > crowd_squared {
                 return;
@@ -247,14 +279,20 @@ impl Walk<'_> {
         }
     }
 
+    /// The corners of a coarse cell as seen from a point.
+    #[inline]
+    fn cell(&self, step: usize, cell: usize, p: Vec3) -> [Vec3; 3] {
+        seen_from(p, self.trail.corners(step, cell))
+    }
+
     /// Walks around a fan in both directions for as long as cells are no farther.
     #[inline]
-    fn nearest_in_fan(&self, i: usize, star: &Range<usize>, start: usize, distance: f32, p: Vec3) -> (f32, usize) {
+    fn nearest_in_fan(&self, i: usize, fan: &Range<usize>, start: usize, distance: f32, p: Vec3) -> (f32, usize) {
         let mut best = (distance, start);
         let mut at = start;
         loop {
-            at = if at + 1 == star.end { star.start } else { at + 1 };
-            let distance = if at == start { f32::INFINITY } else { nearest(self.record.cell(i, at, p)) };
+            at = if at + 1 == fan.end { fan.start } else { at + 1 };
+            let distance = if at == start { f32::INFINITY } else { nearest(self.cell(i, at, p)) };
             if distance > best.0 {
                 break;
             }
@@ -263,8 +301,8 @@ impl Walk<'_> {
         let stop = best.1;
         at = start;
         loop {
-            at = if at == star.start { star.end - 1 } else { at - 1 };
-            let distance = if at == stop { f32::INFINITY } else { nearest(self.record.cell(i, at, p)) };
+            at = if at == fan.start { fan.end - 1 } else { at - 1 };
+            let distance = if at == stop { f32::INFINITY } else { nearest(self.cell(i, at, p)) };
             if distance > best.0 {
                 break;
             }
@@ -298,7 +336,7 @@ fn above([a, b, c]: [Vec3; 3]) -> Option<f32> {
 
 /// Squared distance of the origin from a triangle (`ericson2005`, 5.1.5: by the region of the nearest point).
 #[inline]
-fn nearest([a, b, c]: [Vec3; 3]) -> f32 {
+pub(crate) fn nearest([a, b, c]: [Vec3; 3]) -> f32 {
     let (ab, ac) = (b - a, c - a);
     let (d1, d2) = (-ab.dot(a), -ac.dot(a));
     if d1 <= 0.0 && d2 <= 0.0 {
