@@ -339,6 +339,26 @@ impl MultiTessellation for RightTriangles {
         }
     }
     #[inline]
+    fn ready_children(
+        &self,
+        _: &FrontMesh,
+        m: UpdateId,
+        applied: impl Fn(UpdateId) -> bool,
+        mut visit: impl FnMut(UpdateId),
+    ) {
+        let site = self.lattice.site(m.0);
+        if site.h == 1 && !site.diagonal {
+            return;
+        }
+        for [dx, dy] in site.middles_doubled() {
+            // The middle of a new hypotenuse; what it needs besides m is as far beyond it as m is before it.
+            let other = self.lattice.id(site.x + dx, site.y + dy).filter(|&id| self.is_update(id));
+            if other.is_none_or(|id| applied(UpdateId(id))) {
+                self.visit(site.x + dx / 2, site.y + dy / 2, &mut visit);
+            }
+        }
+    }
+    #[inline]
     fn needs(&self, _: &FrontMesh, m: UpdateId, visit: impl FnMut(UpdateId)) {
         self.for_needs(m, visit);
     }

@@ -734,18 +734,22 @@ impl<H: MultiTessellation> Front<H> {
             h.needs(mesh, m, |n| *open_count -= open.remove(n.0) as usize);
         }
         let Front { open, open_count, applied, filed, work, mesh, .. } = self;
-        h.children(m, |child| {
-            let mut ready = !applied.has(child.0);
-            if !H::READS_MESH && ready {
-                h.needs(mesh, child, |n| ready &= applied.has(n.0));
+        let mut now_open = |child: UpdateId| {
+            *open_count += open.insert(child.0) as usize;
+            if !filed.has(child.0) {
+                work.push(child.0);
             }
-            if ready {
-                *open_count += open.insert(child.0) as usize;
-                if !filed.has(child.0) {
-                    work.push(child.0);
+        };
+        if H::READS_MESH {
+            h.children(m, |child| {
+                if !applied.has(child.0) {
+                    now_open(child);
                 }
-            }
-        });
+            });
+        } else {
+            // None of them is applied: `m` was not.
+            h.ready_children(mesh, m, |n| applied.has(n.0), now_open);
+        }
     }
 
     /// Undoes a leaf, and opens and closes decisions around it.

@@ -97,6 +97,23 @@ pub trait MultiTessellation {
     fn roots(&self, visit: impl FnMut(UpdateId));
     /// Visits the updates that may become legal once `m` is applied. It depends on nothing live.
     fn children(&self, m: UpdateId, visit: impl FnMut(UpdateId));
+    /// Visits the children of `m` of which all needs are applied. Asked only where dependencies do not read the mesh.
+    #[inline]
+    fn ready_children(
+        &self,
+        mesh: &Self::Mesh,
+        m: UpdateId,
+        applied: impl Fn(UpdateId) -> bool,
+        mut visit: impl FnMut(UpdateId),
+    ) {
+        self.children(m, |child| {
+            let mut ready = true;
+            self.needs(mesh, child, |n| ready &= applied(n));
+            if ready {
+                visit(child);
+            }
+        });
+    }
     /// Visits updates that must be applied before `m`. May visit applied ones too (the engine looks at its
     /// own set S); reads the live mesh only where the model's dependencies are implicit.
     fn needs(&self, mesh: &Self::Mesh, m: UpdateId, visit: impl FnMut(UpdateId));
