@@ -17,6 +17,9 @@ export const models = join(target, "e2e");
 /** A bumpy surface as a scanner sees it: 120,000 triangles. */
 export const model = join(models, "scan.front");
 
+/** A made-up terrain: 513 × 513 heights. */
+export const terrain = join(models, "terrain.front");
+
 /** `meshfront view FILE` on a free port. */
 export interface Server {
   url: string;

@@ -8,7 +8,7 @@ import { expect, test, type Page } from "@playwright/test";
 import pixelmatch from "pixelmatch";
 import { PNG } from "pngjs";
 import type { FlyByReport, FrameStats, ModelInfo, Vec3 } from "../core/src/index.js";
-import { binary, model, models, screenshots, view, type Server } from "./files.js";
+import { binary, model, models, screenshots, view, type Server, terrain } from "./files.js";
 
 /** What the page offers to consoles. */
 interface Meshfront {
@@ -216,6 +216,26 @@ test("wireframe and levels", async ({ page }) => {
   await page.getByLabel("Colour by level").check();
   await settled(page);
   await shot(page, "wireframe-levels");
+});
+
+test("terrain lies on the ground, and is refined where one looks", async ({ page }) => {
+  const ground = await view(terrain);
+  try {
+    const stats = await open(page, "", ground);
+    const { sourceTriangles, up } = await page.evaluate(() => window.meshfront.info()!);
+    expect([sourceTriangles, up]).toEqual([524_288, [0, 0, 1]]);
+    expect(stats.errorPx).toBeLessThanOrEqual(1);
+    expect(stats.triangles).toBeLessThan(0.5 * sourceTriangles);
+    await shot(page, "terrain");
+    const before = stats.triangles;
+    await page.mouse.move(400, 400);
+    for (let i = 0; i < 6; i++) await page.mouse.wheel(0, -300);
+    const near = await settled(page);
+    await shot(page, "terrain-near");
+    expect(near.refined + near.coarsened + Math.abs(near.triangles - before)).toBeGreaterThan(0);
+  } finally {
+    ground.stop();
+  }
 });
 
 test("a small screen, by keyboard alone", async ({ page }) => {

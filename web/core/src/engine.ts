@@ -22,6 +22,7 @@ function infoOf(model: Model, bytes: number, decodeMs: number): ModelInfo {
     updates, sourceVertices, sourceTriangles, baseTriangles, floorError, hasColors, bytes, decodeMs,
     min: [x0, y0, z0],
     max: [x1, y1, z1],
+    up: [...model.up] as unknown as ModelInfo["up"],
   };
 }
 

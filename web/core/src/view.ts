@@ -53,6 +53,8 @@ export interface ModelInfo {
   /** Axis-parallel box of the model. */
   min: Vec3;
   max: Vec3;
+  /** Which way is up: a unit vector along an axis. */
+  up: Vec3;
   /** The error that is left with every update applied (quantization). */
   floorError: number;
   hasColors: boolean;

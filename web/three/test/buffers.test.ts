@@ -57,7 +57,7 @@ test("longer fronts get longer buffers, and keep what was there", () => {
 });
 
 test("colours become linear, opacity does not", () => {
-  const geometry = frontGeometry({ ...INFO, hasColors: true });
+  const geometry = frontGeometry({ ...INFO, up: [0, 1, 0], hasColors: true });
   const frame = update(2, [0, 2], 1, [0, 1]);
   frame.vertices.colors = Uint8Array.of(255, 0, 188, 128, 0, 0, 0, 255);
   applyFrame(geometry, frame);
@@ -68,7 +68,7 @@ test("colours become linear, opacity does not", () => {
 });
 
 test("normals and colours are declared before the first frame, or the first program has none", () => {
-  const geometry = frontGeometry({ ...INFO, hasColors: true });
+  const geometry = frontGeometry({ ...INFO, up: [0, 1, 0], hasColors: true });
   expect(Object.keys(geometry.attributes).sort()).toEqual(["color", "level", "normal", "position"]);
 });
 

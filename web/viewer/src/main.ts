@@ -67,7 +67,10 @@ function setLevels(on: boolean): void {
 
 function showAll(): void {
   const info = object?.info;
-  if (info) stage.showAll(new Box3(new Vector3(...info.min), new Vector3(...info.max)));
+  if (object && info) {
+    const box = new Box3(new Vector3(...info.min), new Vector3(...info.max));
+    stage.showAll(box.applyMatrix4(object.matrixWorld));
+  }
   dirty = true;
 }
 
@@ -123,6 +126,9 @@ async function open(): Promise<void> {
     say(`${card.name} is loaded: ${size}.`);
     overlay = new Mesh(loading.geometry, lines);
     scene.add(loading.add(overlay));
+    // The page's own up is +y.
+    loading.quaternion.setFromUnitVectors(new Vector3(...info.up), new Vector3(0, 1, 0));
+    loading.updateMatrixWorld();
     stage.resize(covered());
     showAll();
     if (parameters.eye) setCamera(parameters.eye, parameters.target ?? controls.target.toArray());
@@ -191,7 +197,7 @@ function frame(): void {
   const moved = controls.update();
   const sphere = object?.geometry.boundingSphere;
   if (object && sphere) {
-    if (moved || dirty) stage.fitDepth(sphere);
+    if (moved || dirty) stage.fitDepth(sphere.clone().applyMatrix4(object.matrixWorld));
     object.setResolutionFromRenderer(camera, renderer);
     object.update();
   }
