@@ -208,11 +208,27 @@ impl Around<'_> {
 fn taken_edges(rings: &Rings, ring: &[Spoke], open: bool) -> [u16; MOST_CORNERS] {
     let n = ring.len();
     let mut taken = [0; MOST_CORNERS];
-    for i in 0..n - 1 {
-        for s in rings.of_vertex(ring[i].vertex) {
-            if let Some(j) = (i + 1..n).find(|&j| ring[j].vertex == s.vertex) {
-                let side = j == i + 1 || (i == 0 && j == n - 1 && !open);
-                taken[i] |= u16::from(!side) << j;
+    let mut mark = |i: usize, j: usize| {
+        let (i, j) = (i.min(j), i.max(j));
+        let side = j == i + 1 || (i == 0 && j == n - 1 && !open);
+        taken[i] |= u16::from(!side) << j;
+    };
+    // An edge is seen from both its ends: where many meet at one, the other one is asked.
+    const LONG: usize = 64;
+    let neighbours = |i: usize| rings.of_vertex(ring[i].vertex);
+    for i in 0..n {
+        if neighbours(i).len() <= LONG {
+            for s in neighbours(i) {
+                if let Some(j) = (0..n).find(|&j| ring[j].vertex == s.vertex) {
+                    mark(i, j);
+                }
+            }
+            continue;
+        }
+        for j in (0..i).filter(|&j| neighbours(j).len() > LONG) {
+            let (few, other) = if neighbours(i).len() < neighbours(j).len() { (i, j) } else { (j, i) };
+            if neighbours(few).iter().any(|s| s.vertex == ring[other].vertex) {
+                mark(i, j);
             }
         }
     }
