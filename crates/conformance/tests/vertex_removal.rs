@@ -3,6 +3,7 @@
 use meshfront_conformance::random::Random;
 use meshfront_conformance::{Inspect, Source, Topology, check};
 use meshfront_hierarchies::VertexRemoval;
+use meshfront_hierarchies::live::TriangleBuffers;
 use meshfront_mesh::TriangleMesh;
 use meshfront_mesh::sample::{self, defects};
 use meshfront_refine::{MultiTessellation, UpdateId};
@@ -66,6 +67,57 @@ fn other_than_manifolds_are_refused() {
         let error = vertex_removal(&mesh, &VertexRemovalOptions::default(), &()).expect_err("no manifold");
         assert!(matches!(error, BuildError::NonManifold(_)));
         assert!(error.to_string().contains("edge collapse"), "{error}");
+    }
+}
+
+/// Undone and applied again, an update takes the same slots, in meshes of any history.
+#[test]
+fn slots_come_back() {
+    let h = build(&sample::scan(800), Some(12), 60);
+    let live = |b: &TriangleBuffers| {
+        let triangles: Vec<_> = b.triangles.iter().copied().enumerate().filter(|(_, t)| *t != [0; 3]).collect();
+        let points: Vec<_> = triangles.iter().map(|(_, t)| t.map(|v| (v, b.positions[v as usize]))).collect();
+        (triangles, points)
+    };
+    let mut random = Random::new(9);
+    let mut mesh = h.base();
+    let mut applied = vec![false; h.len()];
+    for _ in 0..20 * h.len() {
+        let m = UpdateId(random.below(h.len()) as u32);
+        let (mut ready, mut leaf) = (!applied[m.ix()], applied[m.ix()]);
+        h.needs(&mesh, m, |n| ready &= applied[n.ix()]);
+        h.needed_by(&mesh, m, |n| leaf &= !applied[n.ix()]);
+        let before = live(&mesh.buffers);
+        if ready {
+            h.refine(&mut mesh, m);
+            let after = live(&mesh.buffers);
+            h.coarsen(&mut mesh, m);
+            assert_eq!(live(&mesh.buffers), before, "{m:?}");
+            h.refine(&mut mesh, m);
+            assert_eq!(live(&mesh.buffers), after, "{m:?}");
+            applied[m.ix()] = true;
+        } else if leaf && random.below(3) == 0 {
+            h.coarsen(&mut mesh, m);
+            let after = live(&mesh.buffers);
+            h.refine(&mut mesh, m);
+            assert_eq!(live(&mesh.buffers), before, "{m:?}");
+            h.coarsen(&mut mesh, m);
+            assert_eq!(live(&mesh.buffers), after, "{m:?}");
+            applied[m.ix()] = false;
+        }
+    }
+    assert!(applied.contains(&true) && applied.contains(&false));
+}
+
+/// Where the source has no normals, those of all vertices look away from the surface.
+#[test]
+fn derived_normals_point_outwards() {
+    let h = build(&sample::sphere(500), None, 30);
+    let mut mesh = h.base();
+    (0..h.len() as u32).for_each(|m| h.refine(&mut mesh, UpdateId(m)));
+    for (p, n) in mesh.buffers.positions.iter().zip(&mesh.buffers.normals) {
+        let n = glam::Vec3::new(n[0] as f32, n[1] as f32, n[2] as f32) / 32767.0;
+        assert!(n.dot(*p) > 0.95, "{p} {n}");
     }
 }
 
