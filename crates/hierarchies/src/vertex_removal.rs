@@ -26,12 +26,14 @@ use meshfront_refine::{Footprint, MultiTessellation, UpdateId};
 
 mod columns;
 mod derive;
+pub mod encode;
 mod front_mesh;
 mod polygon;
 
 pub use crate::columns::{InvalidColumns, SourceCounts};
 pub use crate::quantize::{Grid, Oct, round_error_up};
 pub use columns::{Columns, Patch};
+pub use encode::Connectivity;
 pub use front_mesh::FrontMesh;
 pub use polygon::{MOST_CORNERS, Triangles, Triangulation};
 

@@ -253,14 +253,15 @@ impl<T: Trail> Walk<'_, T> {
             let cells = self.trail.coarse(i);
             let start = cells.start + way.place();
             let corners = self.cell(i, start, p);
-            // Mostly the point's own triangle is still there, and the point still above it: that is near enough.
-            let own = if way.is_to_itself() { above(corners) } else { None };
+            // Mostly the point's own triangle is still there, or one on the same side, and the point above it: that is near
+            // enough.
+            let own = if way.is_to_itself() || !T::FAN { above(corners) } else { None };
             let (mut distance, mut at) = match own {
                 Some(distance) => (distance, start),
                 None if T::FAN => self.nearest_in_fan(i, &cells, start, nearest(corners), p),
-                None => (nearest(corners), start),
+                None => (f32::INFINITY, start),
             };
-            if distance > self.moved[i] || !T::FAN {
+            if distance > self.moved[i] {
                 // It may be the one that counts: look at all cells.
                 for e in cells {
                     let d = nearest(self.cell(i, e, p));

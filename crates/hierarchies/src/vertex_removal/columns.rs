@@ -54,7 +54,8 @@ impl Columns {
 }
 
 /// The polygon that an update's vertex is inserted into, in the live mesh: it is found from one of its edges, the reference
-/// edge, and the triangulation. That edge goes from the polygon's last corner to its corner 0.
+/// edge, and the triangulation. That edge goes from the polygon's last corner to its corner 0. At a boundary it is the boundary
+/// edge; else it is one that gives the triangulation the least number, so that few numbers are in use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Patch {
     /// Number of the cell of M⁻ on the reference edge.

@@ -6,6 +6,7 @@
 //! numbered in the order of a, then of the left part, then of the right one.
 
 use arrayvec::ArrayVec;
+use std::sync::OnceLock;
 
 /// The most corners that a polygon may have: thirteen bits number the triangulations of all polygons up to it.
 pub const MOST_CORNERS: usize = 11;
@@ -92,6 +93,21 @@ impl Triangulation {
     }
 }
 
+/// Per number of corners: see [`turned_numbers`].
+static TURNED: [OnceLock<Vec<u16>>; MOST_CORNERS + 1] = [const { OnceLock::new() }; MOST_CORNERS + 1];
+
+/// The numbers of triangulations that no turn of the polygon makes less, ascending: where every edge of a polygon may be the
+/// reference edge, these are enough.
+pub(super) fn turned_numbers(corners: usize) -> &'static [u16] {
+    TURNED[corners].get_or_init(|| {
+        let least = |&index: &u16| {
+            let t = Triangulation { corners: corners as u8, index };
+            (1..corners).all(|by| t.turned(by).index >= index)
+        };
+        (0..Triangulation::count(corners)).filter(least).collect()
+    })
+}
+
 /// The number of a part among those of i … j.
 fn part_index(triangles: &[[u8; 3]], i: u8, j: u8) -> Option<u16> {
     let size = (j - i) as usize;
@@ -152,5 +168,7 @@ mod tests {
             assert_eq!(t.turned(3), t.turned(1).turned(2));
         }
         assert_eq!(Triangulation::of(4, &[[0, 1, 2], [0, 1, 3]]), None);
+        // Triangulations of a polygon up to turning it (Moon & Moser 1963).
+        assert_eq!([3, 4, 5, 6, 7, 8, 9, 10, 11].map(|n| turned_numbers(n).len()), [1, 1, 1, 4, 6, 19, 49, 150, 442]);
     }
 }

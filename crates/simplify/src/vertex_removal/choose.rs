@@ -65,7 +65,7 @@ struct Sample {
 
 /// Bits of a mask: eight samples for each of eleven cells, the vertex and the spokes.
 const MOST_SAMPLES: usize = 128;
-const _: () = assert!(MOST_SAMPLES >= (samples::MOST + 1) * MOST_CORNERS + 1);
+const _: () = assert!(MOST_SAMPLES > (samples::MOST + 1) * MOST_CORNERS);
 
 impl Around<'_> {
     /// The best triangulation of the polygon around a vertex.
@@ -99,14 +99,13 @@ impl Around<'_> {
         let area: f32 = normals.iter().map(|n| n.length()).sum();
         // What the fan costs as it is.
         let mut before = 0.0;
-        for (j, s) in ring[..fan].iter().enumerate() {
-            let squared = normals[j].length_squared();
+        for (normal, s) in normals.iter().zip(ring) {
+            let upright = normal.normalize_or_zero();
             for sample in self.samples.of(s.cell) {
                 let at = self.samples.points[sample as usize] - center;
                 let weight = self.samples.weight[sample as usize];
                 add(at, weight);
-                let along = normals[j].dot(at);
-                before += if squared > 0.0 { weight * along * along / squared } else { 0.0 };
+                before += weight * upright.dot(at).powi(2);
             }
         }
         // Where few are there, the spokes say how the fan lies.
@@ -159,21 +158,20 @@ impl Around<'_> {
                     }
                     let (side, other) = (corners[a] - corners[i], corners[j] - corners[a]);
                     let normal = side.cross(chord);
-                    let squared = normal.length_squared();
-                    let area = squared.sqrt();
+                    let area = normal.length();
                     let squares = chord_squared + side.length_squared() + other.length_squared();
                     if area < guard.shape * squares || normal.dot(mean) < guard.cos * area {
                         continue;
                     }
+                    let upright = normal / area.max(f32::MIN_POSITIVE);
                     let mut inside = left[i][a] & left[a][j] & !left[i][j];
                     let mut moment = 0.0;
                     while inside != 0 {
                         let s = &samples[inside.trailing_zeros() as usize];
                         inside &= inside - 1;
-                        let along = normal.dot(s.at - corners[i]);
-                        moment += s.weight * along * along;
+                        moment += s.weight * upright.dot(s.at - corners[i]).powi(2);
                     }
-                    let cost = parts + moment / squared.max(f32::MIN_POSITIVE) + LENGTH_COST * area * squares;
+                    let cost = parts + moment + LENGTH_COST * area * squares;
                     if cost < best[i][j] {
                         (best[i][j], apex[i][j]) = (cost, a as u8);
                     }
@@ -210,11 +208,27 @@ impl Around<'_> {
 fn taken_edges(rings: &Rings, ring: &[Spoke], open: bool) -> [u16; MOST_CORNERS] {
     let n = ring.len();
     let mut taken = [0; MOST_CORNERS];
-    for i in 0..n - 1 {
-        for s in rings.of_vertex(ring[i].vertex) {
-            if let Some(j) = (i + 1..n).find(|&j| ring[j].vertex == s.vertex) {
-                let side = j == i + 1 || (i == 0 && j == n - 1 && !open);
-                taken[i] |= u16::from(!side) << j;
+    let mut mark = |i: usize, j: usize| {
+        let (i, j) = (i.min(j), i.max(j));
+        let side = j == i + 1 || (i == 0 && j == n - 1 && !open);
+        taken[i] |= u16::from(!side) << j;
+    };
+    // An edge is seen from both its ends: where many meet at one, the other one is asked.
+    const LONG: usize = 64;
+    let neighbours = |i: usize| rings.of_vertex(ring[i].vertex);
+    for i in 0..n {
+        if neighbours(i).len() <= LONG {
+            for s in neighbours(i) {
+                if let Some(j) = (0..n).find(|&j| ring[j].vertex == s.vertex) {
+                    mark(i, j);
+                }
+            }
+            continue;
+        }
+        for j in (0..i).filter(|&j| neighbours(j).len() > LONG) {
+            let (few, other) = if neighbours(i).len() < neighbours(j).len() { (i, j) } else { (j, i) };
+            if neighbours(few).iter().any(|s| s.vertex == ring[other].vertex) {
+                mark(i, j);
             }
         }
     }
@@ -232,8 +246,8 @@ pub(super) fn is_free(rings: &Rings, v: u32, triangulation: Triangulation) -> bo
     let open = rings.is_open(v);
     let taken = taken_edges(rings, ring, open);
     let joined = |i: u8, j: u8| taken[i as usize] >> j & 1 == 1;
-    !(ring.len() == 3 && !open && is_tetrahedron(rings, ring))
-        && !triangulation.triangles().iter().any(|&[i, a, j]| joined(i, a) || joined(a, j) || joined(i, j))
+    let blocked = triangulation.triangles().iter().any(|&[i, a, j]| joined(i, a) || joined(a, j) || joined(i, j));
+    !blocked && (open || ring.len() > 3 || !is_tetrahedron(rings, ring))
 }
 
 /// The point of a segment nearest to another.

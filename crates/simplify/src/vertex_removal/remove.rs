@@ -335,9 +335,10 @@ impl Trail for Record {
         let mut first = vec![Way::NONE; triangles];
         let mut next = vec![Way::NONE; self.coarse.len()];
         for i in 0..self.removals.len() {
-            for s in self.ring_of(i).iter().filter(|s| s.cell != NONE) {
-                let cells = &self.coarse[self.coarse_of(i)];
-                let near = cells.iter().position(|t| t.contains(&s.vertex)).unwrap_or(0);
+            let (ring, cells) = (self.ring_of(i), &self.coarse[self.coarse_of(i)]);
+            for (j, s) in ring.iter().enumerate().filter(|(_, s)| s.cell != NONE) {
+                let after = ring[(j + 1) % ring.len()].vertex;
+                let near = cells.iter().position(|t| t.contains(&s.vertex) && t.contains(&after)).unwrap_or(0);
                 let way = match s.cell.checked_sub(self.triangles) {
                     None => &mut first[s.cell as usize],
                     Some(e) => &mut next[e as usize],
