@@ -152,6 +152,10 @@ fn quality(tools: &Tools, subject: &Subject, work: &Path, report: &mut Report) -
     tools.meshfront(&["build", path(&subject.source), "-o", path(&lossless), "--force", "--lossless"])?;
     for percent in [10, 1] {
         let mut count = mesh.triangles() * percent / 100;
+        if count < FEWEST {
+            report.note(&format!("{name}: {percent} %"), &format!("{count} triangles are too few to compare"));
+            continue;
+        }
         let mut rows = Vec::new();
         let file = |rival: &str| work.join(format!("{name}-{percent}-{rival}.ply"));
         for rival in rivals::PYTHON.into_iter().chain(["meshopt"]) {
@@ -202,6 +206,8 @@ fn quality(tools: &Tools, subject: &Subject, work: &Path, report: &mut Report) -
     Ok(())
 }
 
+/// Fewer triangles than this are about what a base mesh has.
+const FEWEST: usize = 400;
 /// Points spread over each surface where means are compared, and where a maximum is looked for.
 const QUALITY_SAMPLES: usize = 1_000_000;
 const PROMISE_SAMPLES: usize = 2_000_000;

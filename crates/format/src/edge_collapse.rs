@@ -36,7 +36,9 @@ mod lattice;
 mod page;
 
 pub use info::inspect;
-pub(crate) use lattice::{of_ordered_bits, ordered_bits};
+pub(crate) use lattice::of_ordered_bits;
+#[cfg(feature = "write")]
+pub(crate) use lattice::ordered_bits;
 
 /// The model's name in the header.
 pub const MODEL: &str = "edge_collapse";

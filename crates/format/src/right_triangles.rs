@@ -13,10 +13,12 @@ use meshfront_hierarchies::SourceCounts;
 use meshfront_hierarchies::right_triangles::{Columns, Lattice, Place, Site, Steps};
 use meshfront_mesh::Unit;
 
-use crate::container::{self, Codec, Section, checksum, u32_at, u64_at};
+use crate::container::{self, Section, checksum, u32_at, u64_at};
 #[cfg(feature = "write")]
-use crate::container::{Part, assemble};
-use crate::edge_collapse::{of_ordered_bits, ordered_bits};
+use crate::container::{Codec, Part, assemble};
+use crate::edge_collapse::of_ordered_bits;
+#[cfg(feature = "write")]
+use crate::edge_collapse::ordered_bits;
 use crate::error::{Fault, ReadError};
 use crate::info::{ColumnInfo, Info, PageInfo};
 use crate::parallel::map_all;
@@ -55,6 +57,7 @@ struct Meta {
 const SIGN: u32 = 1 << 31;
 
 /// Heights as whole numbers of either sign.
+#[cfg(feature = "write")]
 fn number(steps: Option<Steps>, height: f32) -> u32 {
     match steps {
         Some(steps) => steps.nearest(height) as u32,
@@ -91,6 +94,7 @@ fn context(class: usize) -> usize {
 }
 
 /// Triangles of the full mesh, and samples that are there.
+#[cfg(feature = "write")]
 fn counts(columns: &Columns) -> SourceCounts {
     let w = columns.columns as usize;
     let there = |x: usize, y: usize| !columns.heights[y * w + x].is_nan();

@@ -43,6 +43,7 @@ impl Lattice {
 }
 
 /// Bits of a float, as an integer that grows with it.
+#[cfg(feature = "write")]
 pub(crate) fn ordered_bits(x: f32) -> u32 {
     let bits = x.to_bits();
     if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
