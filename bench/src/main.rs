@@ -37,6 +37,12 @@ struct Arguments {
     /// The browser that it starts
     #[arg(long)]
     chromium: PathBuf,
+    /// The module of @mapbox/martini
+    #[arg(long)]
+    martini: PathBuf,
+    /// bench/martini.mjs
+    #[arg(long)]
+    martini_mjs: PathBuf,
     /// Where intermediate meshes go
     #[arg(long)]
     work: PathBuf,
@@ -57,6 +63,7 @@ enum Part {
     Quality,
     Promise,
     Flyby,
+    Terrain,
 }
 
 /// A mesh, as the rivals get it and as we get it.
@@ -97,6 +104,9 @@ fn main() -> Result<()> {
         if measures(Part::Flyby) {
             fly_by(&tools, &subject, &arguments, &mut report)?;
         }
+    }
+    if measures(Part::Terrain) {
+        terrain(&tools, &arguments, &mut report)?;
     }
     let date = humantime::format_rfc3339_seconds(SystemTime::now()).to_string();
     report.write(&arguments.results, &date)
@@ -267,6 +277,62 @@ fn fly_by(tools: &Tools, subject: &Subject, arguments: &Arguments, report: &mut 
     let browser_mean = number(&browser, "/meanMs")?;
     report.at_most(&format!("{name}: fly-by in the browser / natively"), browser_mean / mean, 2.5, "×");
     report.raw(name, "fly_by", json!({ "native": native, "browser": browser }));
+    Ok(())
+}
+
+/// Terrain by procedure: a large one built, and one beside martini at the errors that martini's meshes really have.
+fn terrain(tools: &Tools, arguments: &Arguments, report: &mut Report) -> Result<()> {
+    let file = |name: &str| arguments.work.join(name);
+    let sample = |out: &Path, side: usize| {
+        let triangles = (2 * (side - 1) * (side - 1)).to_string();
+        tools.meshfront(&["sample", "terrain", "-o", path(out), "--force", "--triangles", &triangles])
+    };
+    report.mesh("terrain", 4097 * 4097, 2 * 4096 * 4096);
+    report::say("terrain: 4097 × 4097 heights");
+    let (large, front) = (file("terrain-4097.tif"), file("terrain-4097.front"));
+    sample(&large, 4097)?;
+    let mut seconds = Vec::new();
+    for _ in 0..arguments.runs {
+        let start = Instant::now();
+        tools.meshfront(&["build", path(&large), "-o", path(&front), "--force"])?;
+        seconds.push(start.elapsed().as_secs_f64());
+    }
+    let info = tools.meshfront_json(&["info", path(&front)])?;
+    let per_sample = number(&info, "/memory_bytes")? / (4097.0 * 4097.0);
+    report.raw("terrain", "build_4097", json!({ "seconds": seconds, "bytes_per_sample": per_sample }));
+    report.at_most("terrain: build of 4097 × 4097, from file to file", median(&mut seconds), 2.5, "s");
+    // The base mesh, two triangles, is beyond what is told.
+    report.at_most("terrain: hierarchy in memory", (per_sample * 100.0).round() / 100.0, 12.0, "B/sample");
+
+    report::say("terrain: 1025 × 1025 heights, martini");
+    let (small, front, out) = (file("terrain-1025.asc"), file("terrain-1025.front"), file("terrain-1025.ply"));
+    sample(&small, 1025)?;
+    tools.meshfront(&["build", path(&small), "-o", path(&front), "--force", "--lossless"])?;
+    let mut node = Command::new("node");
+    node.arg(&arguments.martini_mjs).arg(&arguments.martini).arg(&small).args(["1", "2", "5", "10", "20", "40"]);
+    let martini = rivals::json_of(&mut node)?;
+    let (mut rows, mut ratios) = (Vec::new(), Vec::new());
+    for mesh in martini["meshes"].as_array().context("martini.mjs prints meshes")? {
+        let measured = number(mesh, "/measured")?;
+        tools.meshfront(&["extract", path(&front), "-o", path(&out), "--force", "--error", &measured.to_string()])?;
+        let (ours, theirs) = (ply_triangles(&out)?, number(mesh, "/triangles")?);
+        report.note(
+            &format!("terrain: triangles at a true error of {measured:.2} m"),
+            &format!("{ours}, martini {theirs} (asked for {} m)", mesh["asked"]),
+        );
+        ratios.push(ours as f64 / theirs);
+        rows.push(json!({ "martini": mesh, "triangles": ours }));
+    }
+    let engine = tools.meshfront_json(&["bench", path(&front)])?;
+    let rate = number(&engine, "/source_triangles")? / number(&engine, "/top_down/ms")? / 1e3;
+    report.raw("terrain", "martini", json!({ "martini": martini, "rows": rows, "engine": engine }));
+    report.at_most(
+        "terrain: triangles / martini's at the same true error, worst",
+        ratios.into_iter().fold(0.0, f64::max),
+        1.0,
+        "",
+    );
+    report.at_least("terrain: top-down to full resolution", rate, 10.0, "M triangles/s");
     Ok(())
 }
 

