@@ -46,7 +46,7 @@ pub fn vertex_removal(
 ) -> Result<VertexRemoval, BuildError> {
     let columns = vertex_removal_columns(mesh, options, progress)?;
     progress.phase("derive", "updates", columns.patches.len() as u64);
-    VertexRemoval::new(columns).map_err(BuildError::Replay)
+    Ok(VertexRemoval::new(columns)?)
 }
 
 /// Builds what is stored of the hierarchy of a mesh, with its measured errors.
