@@ -86,6 +86,8 @@ pub enum Choice {
     EdgeCollapse,
     /// Heights over a grid: errors are the true vertical distance
     RightTriangles,
+    /// 2-manifolds, with or without boundary: the vertices of all levels are those of the source
+    VertexRemoval,
 }
 
 #[derive(Args, Clone, Copy)]

@@ -7,7 +7,9 @@ use meshfront::hierarchies::edge_collapse;
 use meshfront::mesh::Bounds;
 use meshfront::mesh::io::height::is_height_format;
 use meshfront::refine::MultiTessellation;
-use meshfront::simplify::{edge_collapse_columns, right_triangles_columns};
+use meshfront::simplify::{
+    VertexRemovalOptions, edge_collapse_columns, right_triangles_columns, vertex_removal_columns,
+};
 use meshfront::{
     EdgeCollapseOptions, Model, RightTriangles, RightTrianglesOptions, Stored, TriangleMesh, TriangleModel, format,
 };
@@ -56,6 +58,7 @@ pub fn build(source: &Path, recipe: &Recipe, phases: &Phases) -> Result<Built> {
         (Choice::Auto, false) => (Model::EdgeCollapse, ", which takes any mesh"),
         (Choice::EdgeCollapse, _) => (Model::EdgeCollapse, ""),
         (Choice::RightTriangles, _) => (Model::RightTriangles, ""),
+        (Choice::VertexRemoval, _) => (Model::VertexRemoval, ""),
     };
     recipe.threads.pool()?.install(|| match model {
         Model::RightTriangles if !heights => Err(output::Usage(format!(
@@ -64,7 +67,7 @@ pub fn build(source: &Path, recipe: &Recipe, phases: &Phases) -> Result<Built> {
         ))
         .into()),
         Model::RightTriangles => terrain(source, recipe, because, phases),
-        Model::EdgeCollapse => {
+        Model::EdgeCollapse | Model::VertexRemoval => {
             let (mesh, report) = if heights {
                 let source = input::heights(source, phases)?;
                 phases.start("triangulate");
@@ -73,7 +76,8 @@ pub fn build(source: &Path, recipe: &Recipe, phases: &Phases) -> Result<Built> {
                 let source = input::mesh(source, input::Seams::Weld, phases)?;
                 (source.mesh, source.report.to_string())
             };
-            collapse(&mesh, report, recipe, because, phases).with_context(|| name.to_string())
+            let simplify = if model == Model::EdgeCollapse { collapse } else { remove };
+            simplify(&mesh, report, recipe, because, phases).with_context(|| name.to_string())
         }
     })
 }
@@ -91,6 +95,21 @@ fn collapse(mesh: &TriangleMesh, report: String, recipe: &Recipe, because: &'sta
         errors: [*floor_error, errors.iter().copied().fold(*floor_error, f32::max)],
         diagonal: Bounds::of(&points).map_or(0.0, |b| b.diagonal() as f64),
         stored: Stored::EdgeCollapse(columns),
+    })
+}
+
+fn remove(mesh: &TriangleMesh, report: String, recipe: &Recipe, because: &'static str, p: &Phases) -> Result<Built> {
+    let options = VertexRemovalOptions { bits: recipe.precision.bits(), ..VertexRemovalOptions::default() };
+    let columns = vertex_removal_columns(mesh, &options, p)?;
+    let (errors, floor) = (&columns.errors, columns.floor_error);
+    Ok(Built {
+        report,
+        because,
+        source_vertices: mesh.positions.len() as u64,
+        base_triangles: columns.base.triangles.len(),
+        errors: [floor, errors.iter().copied().fold(floor, f32::max)],
+        diagonal: mesh.bounds().map_or(0.0, |b| b.diagonal() as f64),
+        stored: Stored::VertexRemoval(columns),
     })
 }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use glam::DVec2;
+use meshfront::hierarchies::vertex_removal::encode::{Connectivity, entropy};
 use meshfront::mesh::io::ReadReport;
 use meshfront::mesh::io::height::is_height_format;
 use meshfront::mesh::{Bounds, Unit};
@@ -75,6 +76,14 @@ fn hierarchy(path: &Path, as_json: bool) -> Result<()> {
     ];
     if let Hierarchy::RightTriangles(terrain) = &hierarchy {
         lines.extend(place(terrain));
+    }
+    if let Hierarchy::VertexRemoval(h) = &hierarchy {
+        let bits = |c: Connectivity| {
+            let published = c.published_bits().map_or(String::new(), |bits| format!(" ({bits} published)"));
+            format!("{} {:.2}{published}", c.name(), c.mean_bits(h))
+        };
+        let all = Connectivity::ALL.map(bits).join(", ");
+        lines.push(("triangulations", format!("mean bits by code: {all}; entropy {:.2}", entropy(h))));
     }
     text::print(&rows(&lines))
 }

@@ -54,6 +54,16 @@ fn several_components() {
     passes(defects::several_components(800), 60);
 }
 
+/// As coarse as the topology allows: the guards have let everything through.
+#[test]
+fn to_the_last_triangle() {
+    for mesh in [sample::sphere(100), sample::knot(300), sample::terrain(100), defects::several_components(150)] {
+        let h = build(&mesh, None, 1);
+        println!("{} triangles left of {}", h.base_mesh().triangles.len(), mesh.triangles.len());
+        check(&h, &Source::new(mesh), 0.0, 4);
+    }
+}
+
 #[test]
 fn a_base_that_is_the_source() {
     let mesh = defects::tetrahedron();

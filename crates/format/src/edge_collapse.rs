@@ -30,11 +30,12 @@ use attributes::{Attribute, value_of};
 use lattice::split_residual;
 use lattice::{Lattice, split_from_residual};
 
-mod attributes;
+pub(crate) mod attributes;
 mod info;
-mod lattice;
+pub(crate) mod lattice;
 mod page;
 
+pub(crate) use info::info_of;
 pub use info::inspect;
 pub(crate) use lattice::of_ordered_bits;
 #[cfg(feature = "write")]
@@ -56,25 +57,25 @@ const ATTRIBUTE_ROW: usize = 8;
 
 /// Bits of the first number of META.
 const HAS_GRID: u32 = 1;
-const HAS_BASE_NORMALS: u32 = 2;
-const HAS_BASE_COLORS: u32 = 4;
-const HAS_NORMALS: u32 = 8;
-const HAS_COLORS: u32 = 16;
+pub(crate) const HAS_BASE_NORMALS: u32 = 2;
+pub(crate) const HAS_BASE_COLORS: u32 = 4;
+pub(crate) const HAS_NORMALS: u32 = 8;
+pub(crate) const HAS_COLORS: u32 = 16;
 
 /// What META holds.
 #[derive(Clone, Copy)]
-struct Meta {
-    flags: u32,
-    grid: Option<Grid>,
-    base_vertices: usize,
-    base_triangles: usize,
-    updates: usize,
-    floor_error: f32,
-    source: SourceCounts,
+pub(crate) struct Meta {
+    pub flags: u32,
+    pub grid: Option<Grid>,
+    pub base_vertices: usize,
+    pub base_triangles: usize,
+    pub updates: usize,
+    pub floor_error: f32,
+    pub source: SourceCounts,
 }
 
 impl Meta {
-    fn has(&self, flag: u32) -> bool {
+    pub(crate) fn has(&self, flag: u32) -> bool {
         self.flags & flag != 0
     }
 }
@@ -134,9 +135,18 @@ fn pack(columns: &Columns) -> Result<Vec<u8>, EncodeError> {
         body.extend_from_slice(bytes);
     }
 
+    let meta = Meta {
+        flags: flags(columns.grid, &columns.base, !columns.normals.is_empty(), !columns.colors.is_empty()),
+        grid: columns.grid,
+        base_vertices: base_count,
+        base_triangles: columns.base.triangles.len(),
+        updates,
+        floor_error: columns.floor_error,
+        source: columns.source,
+    };
     let stored = |name, bytes| Part { name, codec: Codec::Stored, bytes };
     let coded = |name, bytes| Part { name, codec: Codec::Rans, bytes };
-    let mut head = vec![stored("META", encode_meta(columns)), coded("BASE", encode_base(columns, &indices))];
+    let mut head = vec![stored("META", encode_meta(&meta)), coded("BASE", encode_base(&columns.base, &indices))];
     let mut pages = vec![coded("UPDT", body)];
     let VertexColumns { normals, colors } = &columns.base.vertex;
     let base_normals: Vec<Oct> = normals.iter().map(|&n| Oct::encode(n)).collect();
@@ -218,7 +228,7 @@ fn check(columns: &Columns) -> Result<(), EncodeError> {
 }
 
 /// Why a grid cannot be used.
-fn grid_fault(grid: &Grid) -> Option<&'static str> {
+pub(crate) fn grid_fault(grid: &Grid) -> Option<&'static str> {
     let top = grid.origin + DVec3::splat(((1u64 << grid.bits.min(32)) - 1) as f64 * grid.step);
     if !(10..=24).contains(&grid.bits) {
         Some("bits must be 10 to 24")
@@ -268,28 +278,32 @@ fn lattice_indices(columns: &Columns, lattice: &Lattice) -> Result<Vec<[u32; 3]>
     Ok(indices)
 }
 
+/// What is there of attributes and grid, as the first number of META.
 #[cfg(feature = "write")]
-fn encode_meta(columns: &Columns) -> Vec<u8> {
+pub(crate) fn flags(grid: Option<Grid>, base: &TriangleMesh, normals: bool, colors: bool) -> u32 {
     let flag = |set: bool, flag: u32| if set { flag } else { 0 };
-    let base = &columns.base;
-    let flags = flag(columns.grid.is_some(), HAS_GRID)
+    flag(grid.is_some(), HAS_GRID)
         | flag(!base.vertex.normals.is_empty(), HAS_BASE_NORMALS)
         | flag(!base.vertex.colors.is_empty(), HAS_BASE_COLORS)
-        | flag(!columns.normals.is_empty(), HAS_NORMALS)
-        | flag(!columns.colors.is_empty(), HAS_COLORS);
-    let Grid { bits, origin, step } = columns.grid.unwrap_or(Grid { bits: 0, origin: DVec3::ZERO, step: 0.0 });
+        | flag(normals, HAS_NORMALS)
+        | flag(colors, HAS_COLORS)
+}
+
+#[cfg(feature = "write")]
+pub(crate) fn encode_meta(meta: &Meta) -> Vec<u8> {
+    let Grid { bits, origin, step } = meta.grid.unwrap_or(Grid { bits: 0, origin: DVec3::ZERO, step: 0.0 });
     let mut bytes = Vec::with_capacity(META_LENGTH);
-    bytes.extend_from_slice(&flags.to_le_bytes());
+    bytes.extend_from_slice(&meta.flags.to_le_bytes());
     bytes.extend_from_slice(&bits.to_le_bytes());
     for number in [origin.x, origin.y, origin.z, step] {
         bytes.extend_from_slice(&number.to_le_bytes());
     }
-    for count in [base.positions.len(), base.triangles.len(), columns.vertex.len()] {
+    for count in [meta.base_vertices, meta.base_triangles, meta.updates] {
         bytes.extend_from_slice(&(count as u32).to_le_bytes());
     }
-    bytes.extend_from_slice(&columns.floor_error.to_le_bytes());
-    bytes.extend_from_slice(&columns.source.vertices.to_le_bytes());
-    bytes.extend_from_slice(&columns.source.triangles.to_le_bytes());
+    bytes.extend_from_slice(&meta.floor_error.to_le_bytes());
+    bytes.extend_from_slice(&meta.source.vertices.to_le_bytes());
+    bytes.extend_from_slice(&meta.source.triangles.to_le_bytes());
     bytes
 }
 
@@ -332,8 +346,7 @@ fn decode_meta(section: Section) -> Result<Meta, Fault> {
 }
 
 #[cfg(feature = "write")]
-fn encode_base(columns: &Columns, indices: &[[u32; 3]]) -> Vec<u8> {
-    let base = &columns.base;
+pub(crate) fn encode_base(base: &TriangleMesh, indices: &[[u32; 3]]) -> Vec<u8> {
     let mut encoder = Encoder::default();
     let mut models = int_models::<3>();
     let mut before = [0u32; 3];
@@ -367,7 +380,7 @@ fn encode_base(columns: &Columns, indices: &[[u32; 3]]) -> Vec<u8> {
 }
 
 /// The base mesh without attributes, and the integers of its vertices.
-fn decode_base(section: Section, meta: &Meta) -> Result<(TriangleMesh, Vec<[u32; 3]>), Fault> {
+pub(crate) fn decode_base(section: Section, meta: &Meta) -> Result<(TriangleMesh, Vec<[u32; 3]>), Fault> {
     let bytes = section.bytes;
     let least = meta.base_vertices + meta.base_triangles;
     if bytes.len() < 8 || bytes.len() < least {
@@ -423,7 +436,7 @@ fn decode_base(section: Section, meta: &Meta) -> Result<(TriangleMesh, Vec<[u32;
 }
 
 #[cfg(feature = "write")]
-fn encode_base_normals(normals: &[Vec3]) -> Vec<u8> {
+pub(crate) fn encode_base_normals(normals: &[Vec3]) -> Vec<u8> {
     let mut encoder = Encoder::default();
     let mut models = int_models::<3>();
     let mut before = [0u32; 3];
@@ -437,7 +450,7 @@ fn encode_base_normals(normals: &[Vec3]) -> Vec<u8> {
     encoder.finish()
 }
 
-fn decode_base_normals(section: Section, count: usize) -> Result<Vec<Vec3>, Fault> {
+pub(crate) fn decode_base_normals(section: Section, count: usize) -> Result<Vec<Vec3>, Fault> {
     let mut decoder = Decoder::new(section.bytes);
     let mut models = int_models::<3>();
     let mut bits = [0u32; 3];
@@ -458,7 +471,7 @@ fn decode_base_normals(section: Section, count: usize) -> Result<Vec<Vec3>, Faul
     Ok(normals)
 }
 
-fn decode_base_colors(section: Section, count: usize) -> Result<Vec<[u8; 4]>, Fault> {
+pub(crate) fn decode_base_colors(section: Section, count: usize) -> Result<Vec<[u8; 4]>, Fault> {
     let colors = section.bytes.chunks_exact(4);
     if colors.len() != count || !colors.remainder().is_empty() {
         return Err(section.fault(0, "not as long as the base mesh's vertices need"));
@@ -533,11 +546,11 @@ fn decode_attribute<A: Attribute>(
 }
 
 /// A row of UTAB, with what follows from the rows before it.
-struct PageRow<'a> {
-    page: Section<'a>,
-    first: usize,
-    updates: usize,
-    max_error: f32,
+pub(crate) struct PageRow<'a> {
+    pub page: Section<'a>,
+    pub first: usize,
+    pub updates: usize,
+    pub max_error: f32,
 }
 
 /// A page of a section, its checksum compared.
@@ -549,7 +562,7 @@ fn page_section(body: Section<'_>, at: usize, length: usize, sum: u32) -> Result
 }
 
 /// The rows of UTAB, checked against META and UPDT.
-fn decode_table<'a>(table: Section, body: Section<'a>, meta: &Meta) -> Result<Vec<PageRow<'a>>, Fault> {
+pub(crate) fn decode_table<'a>(table: Section, body: Section<'a>, meta: &Meta) -> Result<Vec<PageRow<'a>>, Fault> {
     if !table.bytes.len().is_multiple_of(UPDATE_ROW) {
         return Err(table.fault(0, "length is not a multiple of 16"));
     }
@@ -576,18 +589,22 @@ fn decode_table<'a>(table: Section, body: Section<'a>, meta: &Meta) -> Result<Ve
 }
 
 /// A file's sections, found and compared with META.
-struct Opened<'a> {
-    meta: Meta,
-    sections: Vec<Section<'a>>,
+pub(crate) struct Opened<'a> {
+    pub meta: Meta,
+    pub sections: Vec<Section<'a>>,
 }
 
 impl<'a> Opened<'a> {
     fn new(bytes: &'a [u8], file: &str) -> Result<Opened<'a>, ReadError> {
-        let sections = container::open(bytes, file, &SECTIONS)?;
+        Opened::with(bytes, file, &SECTIONS)
+    }
+    /// Of a model that has these of the sections.
+    pub(crate) fn with(bytes: &'a [u8], file: &str, known: &[&'static str]) -> Result<Opened<'a>, ReadError> {
+        let sections = container::open(bytes, file, known)?;
         let missing = |name| Fault { section: name, offset: 0, reason: "is missing" }.in_file(file);
         let get = |name: &str| sections.iter().find(|s| s.name == name).copied();
         let meta = decode_meta(get("META").ok_or_else(|| missing("META"))?).map_err(|f| f.in_file(file))?;
-        for name in SECTIONS {
+        for &name in known {
             let expected = match name {
                 "BNRM" => meta.has(HAS_BASE_NORMALS),
                 "BCOL" => meta.has(HAS_BASE_COLORS),
@@ -607,7 +624,7 @@ impl<'a> Opened<'a> {
     }
 
     /// A section that is known to be there.
-    fn section(&self, name: &str) -> Section<'a> {
+    pub(crate) fn section(&self, name: &str) -> Section<'a> {
         *self.sections.iter().find(|s| s.name == name).expect("compared with META")
     }
 }

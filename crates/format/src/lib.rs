@@ -22,6 +22,7 @@ mod info;
 mod parallel;
 mod rans;
 pub mod right_triangles;
+pub mod vertex_removal;
 
 pub use container::{Codec, MAGIC, VERSION};
 pub use error::ReadError;
@@ -42,6 +43,7 @@ pub fn encode(stored: &Stored) -> Result<Vec<u8>, EncodeError> {
     match stored {
         Stored::EdgeCollapse(columns) => edge_collapse::encode(columns),
         Stored::RightTriangles(columns) => right_triangles::encode(columns),
+        Stored::VertexRemoval(columns) => vertex_removal::encode(columns),
     }
 }
 
@@ -56,6 +58,7 @@ pub fn decode(bytes: &[u8], file: &str) -> Result<Stored, ReadError> {
     Ok(match model(bytes, file)? {
         Model::EdgeCollapse => Stored::EdgeCollapse(edge_collapse::decode(bytes, file)?),
         Model::RightTriangles => Stored::RightTriangles(right_triangles::decode(bytes, file)?),
+        Model::VertexRemoval => Stored::VertexRemoval(vertex_removal::decode(bytes, file)?),
     })
 }
 
@@ -69,6 +72,7 @@ pub fn inspect(bytes: &[u8], file: &str) -> Result<Info, ReadError> {
     match model(bytes, file)? {
         Model::EdgeCollapse => edge_collapse::inspect(bytes, file),
         Model::RightTriangles => right_triangles::inspect(bytes, file),
+        Model::VertexRemoval => vertex_removal::inspect(bytes, file),
     }
 }
 

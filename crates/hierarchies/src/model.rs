@@ -2,7 +2,7 @@
 
 pub use crate::columns::SourceCounts;
 use crate::live::TriangleBuffers;
-use crate::{EdgeCollapse, RightTriangles, edge_collapse, right_triangles};
+use crate::{EdgeCollapse, RightTriangles, VertexRemoval, edge_collapse, right_triangles, vertex_removal};
 use glam::Vec3;
 use meshfront_mesh::Bounds;
 use meshfront_refine::criteria::View;
@@ -16,17 +16,20 @@ pub enum Model {
     EdgeCollapse,
     /// [`RightTriangles`]
     RightTriangles,
+    /// [`VertexRemoval`]
+    VertexRemoval,
 }
 
 impl Model {
     /// All of them.
-    pub const ALL: [Model; 2] = [Model::EdgeCollapse, Model::RightTriangles];
+    pub const ALL: [Model; 3] = [Model::EdgeCollapse, Model::RightTriangles, Model::VertexRemoval];
 
     /// As on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Model::EdgeCollapse => "edge_collapse",
             Model::RightTriangles => "right_triangles",
+            Model::VertexRemoval => "vertex_removal",
         }
     }
     /// The model of such a name.
@@ -75,6 +78,8 @@ pub enum Hierarchy {
     EdgeCollapse(EdgeCollapse),
     /// See [`RightTriangles`].
     RightTriangles(RightTriangles),
+    /// See [`VertexRemoval`].
+    VertexRemoval(VertexRemoval),
 }
 
 /// What is stored of a hierarchy of any model.
@@ -85,14 +90,16 @@ pub enum Stored {
     EdgeCollapse(edge_collapse::Columns),
     /// See [`right_triangles::Columns`].
     RightTriangles(right_triangles::Columns),
+    /// See [`vertex_removal::Columns`].
+    VertexRemoval(vertex_removal::Columns),
 }
 
 /// Why stored columns are no hierarchy.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum InvalidStored {
-    /// Of an edge collapse hierarchy.
+    /// Of a hierarchy of a mesh.
     #[error(transparent)]
-    EdgeCollapse(#[from] edge_collapse::InvalidColumns),
+    Mesh(#[from] edge_collapse::InvalidColumns),
     /// Of a terrain.
     #[error(transparent)]
     RightTriangles(#[from] right_triangles::InvalidHeights),
@@ -112,6 +119,7 @@ macro_rules! with_model {
         match $hierarchy {
             $crate::Hierarchy::EdgeCollapse($h) => $body,
             $crate::Hierarchy::RightTriangles($h) => $body,
+            $crate::Hierarchy::VertexRemoval($h) => $body,
         }
     };
 }
@@ -122,6 +130,7 @@ impl Stored {
         match self {
             Stored::EdgeCollapse(_) => Model::EdgeCollapse,
             Stored::RightTriangles(_) => Model::RightTriangles,
+            Stored::VertexRemoval(_) => Model::VertexRemoval,
         }
     }
 }
@@ -135,6 +144,7 @@ impl Hierarchy {
         Ok(match stored {
             Stored::EdgeCollapse(columns) => Hierarchy::EdgeCollapse(EdgeCollapse::new(columns)?),
             Stored::RightTriangles(columns) => Hierarchy::RightTriangles(RightTriangles::new(columns)?),
+            Stored::VertexRemoval(columns) => Hierarchy::VertexRemoval(VertexRemoval::new(columns)?),
         })
     }
     /// The columns as stored.

@@ -18,10 +18,11 @@
 //! derives what follows from it: the cells of M⁻, children, bounding spheres, normal cones, vertex normals.
 
 use crate::footprint::{Frame, PackedFootprint};
-use crate::live::{Most, VertexLook, snorm16};
+use crate::live::{Most, TriangleBuffers, VertexLook, snorm16};
+use crate::model::{LiveMesh, Model, Stored, TriangleModel};
 use crate::quantize::Places;
 use glam::Vec3;
-use meshfront_mesh::{TriangleMesh, VertexColumns, VertexId};
+use meshfront_mesh::{Bounds, TriangleMesh, VertexColumns, VertexId};
 use meshfront_refine::{Footprint, MultiTessellation, UpdateId};
 
 mod columns;
@@ -150,31 +151,13 @@ impl VertexRemoval {
     pub fn grid(&self) -> Option<Grid> {
         self.grid
     }
-    /// Sizes of the source mesh.
-    pub fn source(&self) -> SourceCounts {
-        self.source
-    }
     /// Whether the source had normals of its own. Live meshes always have normals: derived ones else.
     pub fn has_source_normals(&self) -> bool {
         self.source_normals
     }
-    /// Whether the source had colours.
-    pub fn has_colors(&self) -> bool {
-        !self.colors.is_empty() || !self.base.vertex.colors.is_empty()
-    }
-    /// The bounding box of all vertices, mesh units.
-    pub fn bounds(&self) -> meshfront_mesh::Bounds {
-        self.frame.bounds()
-    }
     /// The error of an update: see [`Footprint::error`].
     pub fn error(&self, m: UpdateId) -> f32 {
         self.nodes[m.ix()].footprint.error
-    }
-    /// What leaving an update out costs the mesh as a whole: squared distance times area, of its own cells or of the
-    /// worst update that needs it. Where the error says how far the worst point is, this says which of two updates does
-    /// more for the mean: a mesh of a given number of cells takes the dearest.
-    pub fn cost(&self, m: UpdateId) -> f32 {
-        self.costs[m.ix()]
     }
     /// Updates that need an update directly, ascending; those that need it through another one may be left out.
     pub fn children_of(&self, m: UpdateId) -> &[UpdateId] {
@@ -183,24 +166,6 @@ impl VertexRemoval {
     /// The polygon of each update: its triangulation M⁻, and whether its vertex lies on the boundary.
     pub fn triangulations(&self) -> impl Iterator<Item = (Triangulation, bool)> {
         self.insertions.iter().map(|s| (s.triangulation, s.boundary))
-    }
-
-    /// Memory of all columns, bytes. The base mesh (a few hundred triangles) is counted too.
-    pub fn memory_bytes(&self) -> usize {
-        let VertexColumns { normals, colors } = &self.base.vertex;
-        size_of_val(&self.minus[..])
-            + size_of_val(&self.children[..])
-            + size_of_val(&self.fine_places[..])
-            + size_of_val(&self.insertions[..])
-            + size_of_val(&self.colors[..])
-            + size_of_val(&self.costs[..])
-            + size_of_val(&self.nodes[..])
-            + size_of_val(&self.roots[..])
-            + size_of_val(&self.base.positions[..])
-            + size_of_val(&self.base.triangles[..])
-            + size_of_val(&self.base_normals[..])
-            + size_of_val(&normals[..])
-            + size_of_val(&colors[..])
     }
 
     /// The vertex that an update inserts.
@@ -288,5 +253,60 @@ impl MultiTessellation for VertexRemoval {
     }
     fn floor_error(&self) -> f32 {
         self.floor_error
+    }
+}
+
+impl TriangleModel for VertexRemoval {
+    const MODEL: Model = Model::VertexRemoval;
+
+    fn stored(&self) -> Stored {
+        Stored::VertexRemoval(self.columns())
+    }
+    fn source(&self) -> SourceCounts {
+        self.source
+    }
+    fn has_colors(&self) -> bool {
+        !self.colors.is_empty() || !self.base.vertex.colors.is_empty()
+    }
+    fn bounds(&self) -> Bounds {
+        self.frame.bounds()
+    }
+    fn cost(&self, m: UpdateId) -> f32 {
+        self.costs[m.ix()]
+    }
+    fn memory_bytes(&self) -> usize {
+        let VertexColumns { normals, colors } = &self.base.vertex;
+        size_of_val(&self.minus[..])
+            + size_of_val(&self.children[..])
+            + size_of_val(&self.fine_places[..])
+            + size_of_val(&self.insertions[..])
+            + size_of_val(&self.colors[..])
+            + size_of_val(&self.costs[..])
+            + size_of_val(&self.nodes[..])
+            + size_of_val(&self.roots[..])
+            + size_of_val(&self.base.positions[..])
+            + size_of_val(&self.base.triangles[..])
+            + size_of_val(&self.base_normals[..])
+            + size_of_val(&normals[..])
+            + size_of_val(&colors[..])
+    }
+    fn base_triangles(&self) -> usize {
+        self.base.triangles.len()
+    }
+    /// As most scanners and modellers have it; a mesh does not say.
+    fn up(&self) -> Vec3 {
+        Vec3::Y
+    }
+}
+
+impl LiveMesh for FrontMesh {
+    fn buffers(&self) -> &TriangleBuffers {
+        &self.buffers
+    }
+    fn buffers_mut(&mut self) -> &mut TriangleBuffers {
+        &mut self.buffers
+    }
+    fn memory_bytes(&self) -> usize {
+        FrontMesh::memory_bytes(self)
     }
 }

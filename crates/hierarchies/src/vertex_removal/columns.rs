@@ -1,7 +1,7 @@
 //! The stored columns: what the simplifier makes and a file holds.
 
 use super::polygon::Triangulation;
-use crate::columns::SourceCounts;
+use crate::columns::{InvalidColumns, SourceCounts};
 use crate::quantize::{Grid, Oct};
 use glam::Vec3;
 use meshfront_mesh::TriangleMesh;
@@ -42,6 +42,14 @@ impl Columns {
     /// (v, corner j, corner j + 1 of the polygon).
     pub fn first_cell(base_triangles: usize, update: u32) -> u32 {
         base_triangles.next_multiple_of(Columns::CELLS as usize) as u32 + Columns::CELLS * update
+    }
+
+    /// Lengths, ranges and numbers: all that can be checked without applying updates.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn check(&self) -> Result<(), InvalidColumns> {
+        super::derive::check_shape(self)
     }
 
     /// What made a cell: an update and the place in its fan, or `Err` with a base triangle.

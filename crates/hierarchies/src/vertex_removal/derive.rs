@@ -103,7 +103,7 @@ fn step_cost(v: Vec3, coarse: impl Iterator<Item = [Vec3; 3]>, error: f32) -> f3
 }
 
 /// Lengths, ranges and finite numbers: all that needs no replay.
-fn check_shape(c: &Columns) -> Result<(), InvalidColumns> {
+pub(super) fn check_shape(c: &Columns) -> Result<(), InvalidColumns> {
     let updates = c.patches.len();
     let base = &c.base;
     check_lengths(&[

@@ -10,7 +10,7 @@ use arrayvec::ArrayVec;
 use meshfront_mesh::{TriangleMesh, VertexId};
 use meshfront_refine::UpdateId;
 
-/// A front's live mesh.
+/// A front's live mesh: some 110 bytes per active vertex, where capacity follows size.
 #[derive(Clone, Debug)]
 pub struct FrontMesh {
     /// What is drawn.

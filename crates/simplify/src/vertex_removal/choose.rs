@@ -53,9 +53,10 @@ pub(super) struct Around<'a> {
     pub rims: &'a HashMap<u32, Quadric>,
 }
 
+/// Entry [i][j] is about corners i < j.
 type Table<T> = [[T; MOST_CORNERS]; MOST_CORNERS];
 
-/// A place of the surface as it is, or was: relative to the vertex that may go.
+/// A place of the surface as it is, or was.
 #[derive(Clone, Copy)]
 struct Sample {
     at: Vec3,
@@ -66,6 +67,17 @@ struct Sample {
 /// Bits of a mask: eight samples for each of eleven cells, the vertex and the spokes.
 const MOST_SAMPLES: usize = 128;
 const _: () = assert!(MOST_SAMPLES > (samples::MOST + 1) * MOST_CORNERS);
+
+/// A vertex with its polygon. The vertex is the origin; `flat` is seen along the mean normal of the fan.
+struct Star {
+    corners: ArrayVec<Vec3, MOST_CORNERS>,
+    flat: ArrayVec<Vec2, MOST_CORNERS>,
+    mean: Vec3,
+    samples: ArrayVec<Sample, MOST_SAMPLES>,
+    /// What the fan costs as it is.
+    before: f32,
+    open: bool,
+}
 
 impl Around<'_> {
     /// The best triangulation of the polygon around a vertex.
@@ -80,25 +92,35 @@ impl Around<'_> {
         if taken[0] >> (n - 1) & 1 == 1 || (n == 3 && !open && is_tetrahedron(self.rings, ring)) {
             return Choice::STAY;
         }
+        let star = self.star(v, ring, open);
+        let (left, outside) = star.left();
+        let Some((mut cost, triangulation)) = star.best(&taken, &left, guard) else {
+            return Choice::STAY;
+        };
+        if open {
+            // The boundary gets a new edge: what v remembers of the old ones is measured from it.
+            let near = nearest_on(star.corners[n - 1], star.corners[0], Vec3::ZERO) + self.points[v as usize];
+            let rim = self.rims.get(&v).map_or(0.0, |q| q.at(near.as_dvec3()));
+            cost += outside + rim.max(0.0) as f32;
+        }
+        Choice { cost: (cost - star.before).max(0.0), triangulation }
+    }
+
+    fn star(&self, v: u32, ring: &[Spoke], open: bool) -> Star {
+        let n = ring.len();
         let center = self.points[v as usize];
         let corners: ArrayVec<Vec3, MOST_CORNERS> =
             ring.iter().map(|s| self.points[s.vertex as usize] - center).collect();
         let fan = n - usize::from(open);
         let normals: ArrayVec<Vec3, MOST_CORNERS> = (0..fan).map(|j| corners[j].cross(corners[(j + 1) % n])).collect();
-        let sum = normals.iter().sum::<Vec3>();
-        let mean = sum.normalize_or_zero();
+        let mean = normals.iter().sum::<Vec3>().normalize_or_zero();
         let (x, y) = if mean == Vec3::ZERO { (Vec3::X, Vec3::Y) } else { mean.any_orthonormal_pair() };
         let flatten = |p: Vec3| Vec2::new(p.dot(x), p.dot(y));
-        let flat: ArrayVec<Vec2, MOST_CORNERS> = corners.iter().map(|&c| flatten(c)).collect();
 
-        let mut samples = ArrayVec::<Sample, MOST_SAMPLES>::new();
-        let mut add = |at: Vec3, weight: f32| {
-            let _ = samples.try_push(Sample { at, flat: flatten(at), weight });
-        };
-        add(Vec3::ZERO, self.samples.weight[v as usize]);
-        let area: f32 = normals.iter().map(|n| n.length()).sum();
-        // What the fan costs as it is.
+        let mut samples = ArrayVec::new();
+        let mut add = |at: Vec3, weight: f32| samples.push(Sample { at, flat: flatten(at), weight });
         let mut before = 0.0;
+        let mut count = 0;
         for (normal, s) in normals.iter().zip(ring) {
             let upright = normal.normalize_or_zero();
             for sample in self.samples.of(s.cell) {
@@ -106,40 +128,50 @@ impl Around<'_> {
                 let weight = self.samples.weight[sample as usize];
                 add(at, weight);
                 before += weight * upright.dot(at).powi(2);
+                count += 1;
             }
         }
+        add(Vec3::ZERO, self.samples.weight[v as usize]);
         // Where few are there, the spokes say how the fan lies.
-        let share = SPOKE_WEIGHT * area / (n + samples.len() - 1) as f32;
-        for &at in &corners {
-            let at = at * 0.5;
-            let _ = samples.try_push(Sample { at, flat: flatten(at), weight: share });
-        }
+        let area: f32 = normals.iter().map(|n| n.length()).sum();
+        corners.iter().for_each(|&c| add(c * 0.5, SPOKE_WEIGHT * area / (n + count) as f32));
+        Star { flat: corners.iter().map(|&c| flatten(c)).collect(), corners, mean, samples, before, open }
+    }
+}
 
-        // Per chord i < j: the samples to the left of it. What is outside of a side belongs to the triangle on it.
-        let all = u128::MAX >> (MOST_SAMPLES - samples.len());
+impl Star {
+    /// Per chord: the samples to the left of it, as a mask. What is outside of a side belongs to the triangle on it; but what
+    /// is beyond the new edge of a boundary costs its distance from there, which is given too.
+    fn left(&self) -> (Table<u128>, f32) {
+        let n = self.corners.len();
         let mut left: Table<u128> = [[0; MOST_CORNERS]; MOST_CORNERS];
         let mut outside = 0.0;
         for i in 0..n {
             for j in i + 1..n {
-                if j == i + 1 {
-                    left[i][j] = all;
-                    continue;
-                }
                 let closing = i == 0 && j == n - 1;
-                if closing && !open {
+                if j == i + 1 {
+                    left[i][j] = u128::MAX >> (MOST_SAMPLES - self.samples.len());
                     continue;
                 }
-                let chord = flat[j] - flat[i];
-                for (k, s) in samples.iter().enumerate() {
-                    let is_left = chord.perp_dot(s.flat - flat[i]) >= 0.0;
+                if closing && !self.open {
+                    continue;
+                }
+                let chord = self.flat[j] - self.flat[i];
+                for (k, s) in self.samples.iter().enumerate() {
+                    let is_left = chord.perp_dot(s.flat - self.flat[i]) >= 0.0;
                     left[i][j] |= u128::from(is_left) << k;
                     if closing && is_left {
-                        outside += s.weight * s.at.distance_squared(nearest_on(corners[i], corners[j], s.at));
+                        outside += s.weight * s.at.distance_squared(nearest_on(self.corners[i], self.corners[j], s.at));
                     }
                 }
             }
         }
+        (left, outside)
+    }
 
+    /// The triangulation of least cost that joins no corners that are joined already and keeps the guard.
+    fn best(&self, taken: &[u16; MOST_CORNERS], left: &Table<u128>, guard: Guard) -> Option<(f32, Triangulation)> {
+        let n = self.corners.len();
         let mut best: Table<f32> = [[0.0; MOST_CORNERS]; MOST_CORNERS];
         let mut apex: Table<u8> = [[0; MOST_CORNERS]; MOST_CORNERS];
         for size in 2..n {
@@ -149,46 +181,23 @@ impl Around<'_> {
                 if taken[i] >> j & 1 == 1 {
                     continue;
                 }
-                let chord = corners[j] - corners[i];
-                let chord_squared = chord.length_squared();
                 for a in i + 1..j {
                     let parts = best[i][a] + best[a][j];
                     if parts >= best[i][j] {
                         continue;
                     }
-                    let (side, other) = (corners[a] - corners[i], corners[j] - corners[a]);
-                    let normal = side.cross(chord);
-                    let area = normal.length();
-                    let squares = chord_squared + side.length_squared() + other.length_squared();
-                    if area < guard.shape * squares || normal.dot(mean) < guard.cos * area {
-                        continue;
-                    }
-                    let upright = normal / area.max(f32::MIN_POSITIVE);
-                    let mut inside = left[i][a] & left[a][j] & !left[i][j];
-                    let mut moment = 0.0;
-                    while inside != 0 {
-                        let s = &samples[inside.trailing_zeros() as usize];
-                        inside &= inside - 1;
-                        moment += s.weight * upright.dot(s.at - corners[i]).powi(2);
-                    }
-                    let cost = parts + moment + LENGTH_COST * area * squares;
+                    let inside = left[i][a] & left[a][j] & !left[i][j];
+                    let cost = parts + self.cost([i, a, j].map(|c| self.corners[c]), inside, guard);
                     if cost < best[i][j] {
                         (best[i][j], apex[i][j]) = (cost, a as u8);
                     }
                 }
             }
         }
-        let mut cost = best[0][n - 1];
+        let cost = best[0][n - 1];
         if cost == f32::INFINITY {
-            return Choice::STAY;
+            return None;
         }
-        if open {
-            // The boundary gets a new edge: what v remembers of the old ones is measured from it.
-            let near = nearest_on(corners[n - 1], corners[0], Vec3::ZERO) + center;
-            let rim = self.rims.get(&v).map_or(0.0, |q| q.at(near.as_dvec3()));
-            cost += outside + rim.max(0.0) as f32;
-        }
-        cost = (cost - before).max(0.0);
         let mut triangles = ArrayVec::<[u8; 3], MOST_CORNERS>::new();
         let mut parts = ArrayVec::<[u8; 2], MOST_CORNERS>::new();
         parts.push([0, n as u8 - 1]);
@@ -199,8 +208,26 @@ impl Around<'_> {
                 parts.extend([[a, j], [i, a]]);
             }
         }
-        let triangulation = Triangulation::of(n, &triangles).expect("parts make a whole");
-        Choice { cost, triangulation }
+        Some((cost, Triangulation::of(n, &triangles).expect("parts make a whole")))
+    }
+
+    /// What a triangle costs with the samples of a mask on it; infinite where it does not keep the guard.
+    #[inline]
+    fn cost(&self, [p, q, r]: [Vec3; 3], mut inside: u128, guard: Guard) -> f32 {
+        let normal = (q - p).cross(r - p);
+        let area = normal.length();
+        let squares = (q - p).length_squared() + (r - q).length_squared() + (p - r).length_squared();
+        if area < guard.shape * squares || normal.dot(self.mean) < guard.cos * area {
+            return f32::INFINITY;
+        }
+        let upright = normal / area.max(f32::MIN_POSITIVE);
+        let mut moment = 0.0;
+        while inside != 0 {
+            let s = &self.samples[inside.trailing_zeros() as usize];
+            inside &= inside - 1;
+            moment += s.weight * upright.dot(s.at - p).powi(2);
+        }
+        moment + LENGTH_COST * area * squares
     }
 }
 

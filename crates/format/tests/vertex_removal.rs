@@ -1,0 +1,92 @@
+//! Vertex-removal hierarchies to bytes and back, whole and damaged.
+
+mod common;
+
+use common::Random;
+use common::checksums::repair;
+use meshfront_format::vertex_removal::{decode, encode, inspect};
+use meshfront_format::{EncodeError, round_error_up};
+use meshfront_hierarchies::VertexRemoval;
+use meshfront_hierarchies::vertex_removal::Columns;
+use meshfront_mesh::{TriangleMesh, sample};
+use meshfront_simplify::{VertexRemovalOptions, vertex_removal_columns};
+
+fn columns(mesh: &TriangleMesh, bits: Option<u32>) -> Columns {
+    let options = VertexRemovalOptions { bits, base_triangles: 40, ..VertexRemovalOptions::default() };
+    vertex_removal_columns(mesh, &options, &()).unwrap()
+}
+
+/// With normals and colours that differ from vertex to vertex.
+fn painted(triangles: usize) -> TriangleMesh {
+    let mut mesh = sample::knot(triangles);
+    mesh.vertex.normals = mesh.positions.iter().map(|p| p.normalize_or(glam::Vec3::X)).collect();
+    mesh.vertex.colors = (0..mesh.positions.len() as u32).map(|v| v.wrapping_mul(2_654_435_761).to_le_bytes()).collect();
+    mesh
+}
+
+#[test]
+fn what_is_written_is_what_is_read() {
+    for (mesh, bits) in [
+        (sample::sphere(3_000), Some(16)),
+        (sample::terrain(12_000), Some(12)),
+        (sample::scan(4_000), None),
+        (painted(2_000), Some(14)),
+        (painted(2_000), None),
+    ] {
+        let columns = columns(&mesh, bits);
+        let bytes = encode(&columns).unwrap();
+        let read = decode(&bytes, "test").unwrap();
+        let errors = columns.errors.iter().map(|&e| round_error_up(e)).collect();
+        assert_eq!(read, Columns { errors, ..columns.clone() });
+        assert_eq!(encode(&read).unwrap(), bytes);
+        VertexRemoval::new(read).unwrap();
+        let info = inspect(&bytes, "test").unwrap();
+        assert_eq!((info.model, info.updates as usize), ("vertex_removal", columns.patches.len()));
+        assert_eq!(info.pages.iter().map(|p| p.updates).sum::<u32>(), info.updates);
+        let per_vertex = bytes.len() as f64 / mesh.positions.len() as f64;
+        assert!(per_vertex < if mesh.vertex.colors.is_empty() { 14.0 } else { 24.0 }, "{per_vertex} bytes per vertex");
+    }
+}
+
+#[test]
+fn every_shorter_length_and_every_changed_byte_is_an_error() {
+    let file = encode(&columns(&painted(300), Some(12))).unwrap();
+    for length in 0..file.len() {
+        assert!(decode(&file[..length], "cut.front").is_err() && inspect(&file[..length], "cut.front").is_err());
+    }
+    for at in 0..file.len() {
+        let mut changed = file.clone();
+        changed[at] ^= 0x41;
+        assert!(decode(&changed, "changed.front").is_err(), "byte {at}");
+    }
+}
+
+/// Damage that checksums do not see: an error, or columns that may or may not be a hierarchy; never a panic.
+#[test]
+fn no_damage_panics() {
+    let file = encode(&columns(&painted(300), None)).unwrap();
+    let mut random = Random(9);
+    let mut read = 0;
+    for _ in 0..20_000 {
+        let mut changed = file.clone();
+        for _ in 0..1 + random.below(3) {
+            let at = random.below(file.len() as u64) as usize;
+            changed[at] = random.bits() as u8;
+        }
+        repair(&mut changed);
+        let _ = inspect(&changed, "x");
+        if let Ok(columns) = decode(&changed, "x") {
+            read += 1;
+            let _ = encode(&columns);
+            let _ = VertexRemoval::new(columns);
+        }
+    }
+    assert!(read > 0);
+}
+
+#[test]
+fn cells_that_do_not_exist_are_refused() {
+    let mut columns = columns(&sample::sphere(500), Some(16));
+    columns.patches[3].cell = u32::MAX / 2;
+    assert!(matches!(encode(&columns), Err(EncodeError::Columns(_))));
+}
