@@ -39,7 +39,11 @@ fuzz_target!(|data: &[u8]| {
     if let Stored::EdgeCollapse(columns) = &columns {
         assert_eq!(inspected.updates as usize, columns.vertex.len());
     }
-    let again = encode(&columns).expect("what is read can be written");
+    let Ok(again) = encode(&columns) else {
+        // Numbers of triangulations are checked where they are used, and where they are written.
+        assert!(matches!(columns, Stored::VertexRemoval(_)), "what is read can be written");
+        return;
+    };
     // Missing heights are NaN, which is equal to nothing: bytes are compared.
     assert!(encode(&decode(&again, "again").expect("just written")).expect("written before") == again);
     let _ = Hierarchy::new(columns);

@@ -12,7 +12,7 @@ use meshfront_mesh::{TriangleMesh, sample};
 use meshfront_simplify::{VertexRemovalOptions, vertex_removal_columns};
 
 fn columns(mesh: &TriangleMesh, bits: Option<u32>) -> Columns {
-    let options = VertexRemovalOptions { bits, base_triangles: 40, ..VertexRemovalOptions::default() };
+    let options = VertexRemovalOptions { bits, base_triangles: 40 };
     vertex_removal_columns(mesh, &options, &()).unwrap()
 }
 
@@ -20,7 +20,8 @@ fn columns(mesh: &TriangleMesh, bits: Option<u32>) -> Columns {
 fn painted(triangles: usize) -> TriangleMesh {
     let mut mesh = sample::knot(triangles);
     mesh.vertex.normals = mesh.positions.iter().map(|p| p.normalize_or(glam::Vec3::X)).collect();
-    mesh.vertex.colors = (0..mesh.positions.len() as u32).map(|v| v.wrapping_mul(2_654_435_761).to_le_bytes()).collect();
+    mesh.vertex.colors =
+        (0..mesh.positions.len() as u32).map(|v| v.wrapping_mul(2_654_435_761).to_le_bytes()).collect();
     mesh
 }
 

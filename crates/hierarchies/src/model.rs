@@ -84,7 +84,6 @@ pub enum Hierarchy {
 
 /// What is stored of a hierarchy of any model.
 #[derive(Clone, Debug, PartialEq)]
-#[expect(clippy::large_enum_variant, reason = "one at a time exists, and columns are long")]
 pub enum Stored {
     /// See [`edge_collapse::Columns`].
     EdgeCollapse(edge_collapse::Columns),

@@ -3,10 +3,10 @@
 //!     cargo run --release --example vertex_removal -- scan.ply
 
 use meshfront::hierarchies::vertex_removal::{Connectivity, encode};
-use meshfront::refine::{MultiTessellation, UpdateId};
+use meshfront::refine::MultiTessellation;
 use meshfront::simplify::{VertexRemovalOptions, vertex_removal};
 use meshfront::{
-    CompareOptions, EdgeCollapseOptions, Front, Request, TriangleMesh, Uniform, compare, edge_collapse, extract_cells,
+    CompareOptions, EdgeCollapseOptions, Front, Request, TriangleModel, Uniform, compare, edge_collapse, extract_cells,
     promised_error,
 };
 use std::time::Instant;
@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     for share in [0.3, 0.1, 0.03, 0.01] {
         let count = (share * source.triangles.len() as f64) as usize;
-        let ours = compare(&source, &dearest(&h, count), &samples)?;
+        let ours = compare(&source, &extract_cells(&h, count).mesh, &samples)?;
         let theirs = compare(&source, &extract_cells(&e, count).mesh, &samples)?;
         println!(
             "{count} triangles: mean distance {:.2} times that of edge collapse, greatest {:.2} times",
@@ -60,18 +60,4 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         );
     }
     Ok(())
-}
-
-/// The mesh of at most so many cells that is best on the whole.
-fn dearest(h: &meshfront::hierarchies::VertexRemoval, most: usize) -> TriangleMesh {
-    let mut order: Vec<UpdateId> = (0..h.len() as u32).map(UpdateId).collect();
-    order.sort_by(|&a, &b| h.cost(b).total_cmp(&h.cost(a)).then(a.cmp(&b)));
-    let mut mesh = h.base();
-    for m in order {
-        if h.cells(&mesh) + h.cells_added(m) > most {
-            break;
-        }
-        h.refine(&mut mesh, m);
-    }
-    mesh.to_mesh()
 }
