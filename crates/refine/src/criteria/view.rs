@@ -102,10 +102,7 @@ impl Criterion for View {
                 score = max_score(score, coarse.score(f, tolerance), tolerance);
             }
         }
-        // What is not wanted anyway may face either way: its slack could only grow, and seldom does.
-        if let Some(orientation) = &self.orientation
-            && score.0 > tolerance
-        {
+        if let Some(orientation) = &self.orientation {
             score = min_score(score, orientation.score(f, tolerance), tolerance);
         }
         score
