@@ -61,6 +61,8 @@ pub fn run(args: &View, quiet: bool) -> Result<()> {
     let model = describe(&front, &name, args.credit.as_deref());
 
     let address = format!("http://{}/", listener.local_addr()?);
+    // Whoever reads the address may interrupt from then on.
+    interrupt::ends_well();
     text::print(&format!("{address}\n"))?;
     if !quiet {
         eprintln!("Serving {} on this machine only; Ctrl-C to stop.", args.file.display());
@@ -70,7 +72,6 @@ pub fn run(args: &View, quiet: bool) -> Result<()> {
     {
         eprintln!("No browser could be started ({e}): open the address above in one.");
     }
-    interrupt::ends_well();
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
     runtime.block_on(async {
         listener.set_nonblocking(true)?;
