@@ -177,6 +177,8 @@ test("only changed ranges are uploaded", async ({ page }) => {
     });
   });
   await lookFrom(page, 0.785);
+  // What arrived is written when the next picture is drawn.
+  await page.waitForFunction(() => window.uploads.bytes > 0);
   await drawn(page);
   const [uploads, changed] = await page.evaluate(() => [window.uploads, window.changed] as const);
   const everything = await page.evaluate(() => {
