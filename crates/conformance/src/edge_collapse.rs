@@ -3,15 +3,8 @@
 use crate::Inspect;
 use meshfront_hierarchies::EdgeCollapse;
 use meshfront_hierarchies::edge_collapse::FrontMesh;
-use meshfront_hierarchies::live::TriangleBuffers;
 
 impl Inspect for EdgeCollapse {
-    fn buffers(mesh: &FrontMesh) -> &TriangleBuffers {
-        &mesh.buffers
-    }
-    fn clear_changes(mesh: &mut FrontMesh) {
-        mesh.buffers.clear_changes();
-    }
     fn names(mesh: &FrontMesh) -> Vec<[u32; 3]> {
         mesh.numbered_triangles().map(|(_, corners)| corners.map(|v| v.0)).collect()
     }

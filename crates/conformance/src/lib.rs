@@ -13,7 +13,7 @@
 //!
 //! A model joins by implementing [`Inspect`].
 
-use meshfront_hierarchies::live::TriangleBuffers;
+use meshfront_hierarchies::LiveMesh;
 use meshfront_refine::MultiTessellation;
 
 mod edge_collapse;
@@ -31,11 +31,7 @@ pub use surface::{Cell, Look, Surface};
 pub use topology::Topology;
 
 /// A hierarchy whose live meshes are triangle meshes that can be looked at.
-pub trait Inspect: MultiTessellation {
-    /// What a renderer draws.
-    fn buffers(mesh: &Self::Mesh) -> &TriangleBuffers;
-    /// Forgets what changed.
-    fn clear_changes(mesh: &mut Self::Mesh);
+pub trait Inspect: MultiTessellation<Mesh: LiveMesh> {
     /// The names of each live triangle's corners, in slot order: a vertex has the same name in all fronts, and
     /// two vertices never share one.
     fn names(mesh: &Self::Mesh) -> Vec<[u32; 3]>;

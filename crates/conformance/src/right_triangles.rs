@@ -2,16 +2,9 @@
 
 use crate::Inspect;
 use meshfront_hierarchies::RightTriangles;
-use meshfront_hierarchies::live::TriangleBuffers;
 use meshfront_hierarchies::right_triangles::FrontMesh;
 
 impl Inspect for RightTriangles {
-    fn buffers(mesh: &FrontMesh) -> &TriangleBuffers {
-        &mesh.buffers
-    }
-    fn clear_changes(mesh: &mut FrontMesh) {
-        mesh.buffers.clear_changes();
-    }
     fn names(mesh: &FrontMesh) -> Vec<[u32; 3]> {
         let live = mesh.buffers.triangles.iter().filter(|t| **t != [0; 3]);
         live.map(|t| t.map(|slot| mesh.samples()[slot as usize])).collect()

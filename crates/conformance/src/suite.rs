@@ -6,6 +6,7 @@ use crate::source::{Source, Target};
 use crate::surface::{Cell, Surface};
 use crate::topology::{Topology, edges};
 use glam::{DVec3, Quat, Vec3, vec3};
+use meshfront_hierarchies::LiveMesh;
 use meshfront_hierarchies::live::TriangleBuffers;
 use meshfront_refine::criteria::{Region, Scale, ScreenSpace, Shape, Uniform};
 use meshfront_refine::oracle::Oracle;
@@ -272,7 +273,7 @@ pub fn wander<H: Inspect>(h: &H, updates: &Updates, source: &Source, seed: u64) 
         applied[m.ix()] = false;
     }
     assert_eq!(surface, updates.base);
-    is_base_again(H::buffers(&mesh), H::buffers(&h.base()));
+    is_base_again(mesh.buffers(), h.base().buffers());
 }
 
 /// The base mesh is where it was, bit for bit, and all other slots are free.
@@ -312,7 +313,7 @@ struct Mirror(TriangleBuffers);
 
 impl Mirror {
     fn follow<H: Inspect>(&mut self, mesh: &mut H::Mesh) {
-        let (b, copy) = (H::buffers(mesh), &mut self.0);
+        let (b, copy) = (mesh.buffers(), &mut self.0);
         copy.positions.resize(b.positions.len(), Vec3::ZERO);
         copy.normals.resize(b.normals.len(), [0; 4]);
         copy.colors.resize(b.colors.len(), [0; 4]);
@@ -334,7 +335,7 @@ impl Mirror {
             let seen = (copy.positions[v], copy.normals[v], copy.levels[v], copy.colors.get(v));
             assert_eq!(seen, (b.positions[v], b.normals[v], b.levels[v], b.colors.get(v)), "vertex slot {v}");
         }
-        H::clear_changes(mesh);
+        mesh.buffers_mut().clear_changes();
     }
 }
 
@@ -392,7 +393,7 @@ pub fn follow<H: Inspect>(h: &H, source: &Source, kind: usize, seed: u64) {
     let mut walk = Walk::new(source, seed);
     let (mut front, mut other, mut oracle) = (Front::new(h), Front::new(h), Oracle::new(h));
     let (mut log, mut mirror) = (vec![], Mirror(TriangleBuffers::default()));
-    mirror.0.clone_from(H::buffers(front.mesh()));
+    mirror.0.clone_from(front.mesh().buffers());
     let mut request = Request::tolerance(2.0);
     for frame in 0..40 {
         walk.step();
@@ -439,7 +440,7 @@ pub fn follow<H: Inspect>(h: &H, source: &Source, kind: usize, seed: u64) {
             Step::Coarsen(m) => h.refine(&mut mesh, m),
         }
     }
-    is_base_again(H::buffers(&mesh), H::buffers(&h.base()));
+    is_base_again(mesh.buffers(), h.base().buffers());
 }
 
 /// With a budget or no time at all, every call leaves a sound mesh.

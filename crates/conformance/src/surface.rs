@@ -2,6 +2,7 @@
 
 use crate::Inspect;
 use glam::Vec3;
+use meshfront_hierarchies::LiveMesh;
 use std::collections::BTreeMap;
 
 /// A triangle by the names of its corners, the least first, in its orientation.
@@ -52,7 +53,7 @@ impl Surface {
     /// # Panics
     /// Where buffers contradict themselves: a vertex in two slots, two vertices in one slot, columns of unequal length.
     pub fn of<H: Inspect>(mesh: &H::Mesh) -> Surface {
-        let b = H::buffers(mesh);
+        let b = mesh.buffers();
         let n = b.positions.len();
         assert_eq!((b.normals.len(), b.levels.len()), (n, n), "vertex columns have the same length");
         assert!(b.colors.is_empty() || b.colors.len() == n, "a colour for each vertex slot or for none");

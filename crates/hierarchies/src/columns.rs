@@ -2,7 +2,7 @@
 
 use crate::quantize::Grid;
 use glam::Vec3;
-use meshfront_mesh::TriangleMesh;
+use meshfront_mesh::{TriangleMesh, VertexColumns};
 
 /// Numbers of the source, after cleaning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,6 +40,15 @@ pub enum InvalidColumns {
         /// What is wrong with it.
         reason: &'static str,
     },
+}
+
+/// Memory of a base mesh, bytes.
+pub(crate) fn base_bytes(base: &TriangleMesh) -> usize {
+    let VertexColumns { normals, colors } = &base.vertex;
+    size_of_val(&base.positions[..])
+        + size_of_val(&base.triangles[..])
+        + size_of_val(&normals[..])
+        + size_of_val(&colors[..])
 }
 
 /// A column: its name, its length, the length of the others, and whether it may be missing.

@@ -18,11 +18,11 @@
 //! derives what follows from it: needs, children, bounding spheres, normal cones, vertex normals.
 
 use crate::footprint::{Frame, PackedFootprint};
-use crate::live::{Most, TriangleBuffers, VertexLook, snorm16};
-use crate::model::{LiveMesh, Model, SourceCounts, Stored, TriangleModel};
+use crate::live::{Most, VertexLook, snorm16};
+use crate::model::{Model, SourceCounts, Stored, TriangleModel};
 use crate::quantize::Places;
 use glam::Vec3;
-use meshfront_mesh::{Bounds, TriangleMesh, VertexColumns, VertexId};
+use meshfront_mesh::{Bounds, TriangleMesh, VertexId};
 use meshfront_refine::{Footprint, MultiTessellation, UpdateId};
 
 mod columns;
@@ -31,6 +31,7 @@ mod encode;
 mod front_mesh;
 
 pub use crate::columns::InvalidColumns;
+use crate::columns::base_bytes;
 pub use crate::quantize::{Grid, Oct, round_error_up};
 pub use columns::{AddedTriangle, Columns, ExplicitSplit};
 pub use encode::{EncodedSplit, StarTriangle, encode_split};
@@ -225,10 +226,6 @@ impl MultiTessellation for EdgeCollapse {
         self.needs_of(m).iter().copied().for_each(visit)
     }
     #[inline]
-    fn needed_by(&self, _: &FrontMesh, m: UpdateId, visit: impl FnMut(UpdateId)) {
-        self.children_of(m).iter().copied().for_each(visit)
-    }
-    #[inline]
     fn refine(&self, mesh: &mut FrontMesh, m: UpdateId) {
         mesh.refine(self, m)
     }
@@ -237,7 +234,7 @@ impl MultiTessellation for EdgeCollapse {
         mesh.coarsen(self, m)
     }
     fn cells(&self, mesh: &FrontMesh) -> usize {
-        mesh.triangles()
+        mesh.buffers.live_triangles()
     }
     #[inline]
     fn cells_added(&self, m: UpdateId) -> usize {
@@ -272,7 +269,6 @@ impl TriangleModel for EdgeCollapse {
     fn memory_bytes(&self) -> usize {
         let explicit: usize =
             self.explicit.iter().map(|e| size_of::<ExplicitSplit>() + size_of_val(&e.added[..]) + 4).sum();
-        let VertexColumns { normals, colors } = &self.base.vertex;
         explicit
             + size_of_val(&self.needs[..])
             + size_of_val(&self.children[..])
@@ -282,29 +278,10 @@ impl TriangleModel for EdgeCollapse {
             + size_of_val(&self.costs[..])
             + size_of_val(&self.nodes[..])
             + size_of_val(&self.roots[..])
-            + size_of_val(&self.base.positions[..])
-            + size_of_val(&self.base.triangles[..])
             + size_of_val(&self.base_normals[..])
-            + size_of_val(&normals[..])
-            + size_of_val(&colors[..])
+            + base_bytes(&self.base)
     }
     fn base_triangles(&self) -> usize {
         self.base.triangles.len()
-    }
-    /// As most scanners and modellers have it; a mesh does not say.
-    fn up(&self) -> Vec3 {
-        Vec3::Y
-    }
-}
-
-impl LiveMesh for FrontMesh {
-    fn buffers(&self) -> &TriangleBuffers {
-        &self.buffers
-    }
-    fn buffers_mut(&mut self) -> &mut TriangleBuffers {
-        &mut self.buffers
-    }
-    fn memory_bytes(&self) -> usize {
-        FrontMesh::memory_bytes(self)
     }
 }

@@ -1,6 +1,6 @@
 //! Footprints in 16 bytes: what a criterion reads is one quarter of a cache line.
 
-use crate::quantize::Oct;
+use crate::quantize::{Oct, of_upper_half, upper_half};
 use arrayvec::ArrayVec;
 use glam::Vec3;
 use meshfront_mesh::Bounds;
@@ -61,9 +61,7 @@ impl Frame {
         let q = ((center - self.min) / self.step).round().clamp(Vec3::ZERO, Vec3::splat(65535.0));
         let center = [q.x as u16, q.y as u16, q.z as u16];
         // A relative 1e-6 covers the rounding of the additions that checked containment.
-        let radius = radius_at(self.point(center)) * (1.0 + 1e-6);
-        let bits = radius.to_bits();
-        let radius = ((bits >> 16) + u32::from(bits & 0xffff != 0)) as u16;
+        let radius = upper_half(radius_at(self.point(center)) * (1.0 + 1e-6));
         let axis = Oct::encode(axis).0.map(|c| ((c as f32) * (127.0 / 32767.0)).round() as i8);
         PackedFootprint { error, center, radius, axis, cos: pack_angle(angle_at(unpack_axis(axis))) }
     }
@@ -73,7 +71,7 @@ impl Frame {
         let cos = f.cos as f32 / 32767.0;
         Footprint {
             center: self.point(f.center),
-            radius: f32::from_bits((f.radius as u32) << 16),
+            radius: of_upper_half(f.radius),
             error: f.error,
             cone: NormalCone { axis: unpack_axis(f.axis), sin: (1.0 - cos * cos).max(0.0).sqrt(), cos },
         }

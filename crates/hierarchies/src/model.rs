@@ -60,8 +60,10 @@ pub trait TriangleModel: MultiTessellation<Mesh: LiveMesh> {
     fn base_triangles(&self) -> usize;
     /// Whether vertices have colours.
     fn has_colors(&self) -> bool;
-    /// Which way is up, as far as the model knows.
-    fn up(&self) -> Vec3;
+    /// Which way is up. Meshes do not say: as most scanners and modellers have it.
+    fn up(&self) -> Vec3 {
+        Vec3::Y
+    }
     /// What leaving an update out costs the mesh as a whole, in the order that a mesh of a given number of cells takes
     /// them. What an update needs costs no less.
     fn cost(&self, m: UpdateId) -> f32;

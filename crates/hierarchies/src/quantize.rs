@@ -116,3 +116,15 @@ pub fn round_error_up(error: f32) -> f32 {
     let bits = error.to_bits();
     f32::from_bits((bits + ((1 << 19) - 1)) & !((1 << 19) - 1))
 }
+
+/// The upper half of the bits of a number that is not negative, rounded up.
+#[inline]
+pub(crate) fn upper_half(x: f32) -> u16 {
+    let bits = x.to_bits();
+    ((bits >> 16) + u32::from(bits & 0xffff != 0)) as u16
+}
+/// The number of such a half.
+#[inline]
+pub(crate) fn of_upper_half(half: u16) -> f32 {
+    f32::from_bits((half as u32) << 16)
+}

@@ -17,8 +17,8 @@
 //!
 //! Mesh space: x metres to the east of the south-western sample, y to the north, z up, times the exaggeration.
 
-use crate::live::{Most, TriangleBuffers};
-use crate::model::{LiveMesh, Model, SourceCounts, Stored, TriangleModel};
+use crate::live::Most;
+use crate::model::{Model, SourceCounts, Stored, TriangleModel};
 use glam::{DVec2, Vec2, Vec3};
 use meshfront_mesh::{Bounds, Unit};
 use meshfront_refine::{Footprint, MultiTessellation, NormalCone, UpdateId};
@@ -198,7 +198,6 @@ pub struct RightTriangles {
     /// Sine and cosine per packed half angle.
     cones: Vec<[f32; 2]>,
     bounds: Bounds,
-    updates: usize,
     /// Samples that are there.
     vertices: u32,
     /// Of the full front.
@@ -259,10 +258,6 @@ impl RightTriangles {
     /// Where the terrain is.
     pub fn place(&self) -> Place {
         self.place
-    }
-    /// Number of updates.
-    pub fn update_count(&self) -> usize {
-        self.updates
     }
 
     fn most(&self) -> Most {
@@ -363,10 +358,6 @@ impl MultiTessellation for RightTriangles {
         self.for_needs(m, visit);
     }
     #[inline]
-    fn needed_by(&self, _: &FrontMesh, m: UpdateId, visit: impl FnMut(UpdateId)) {
-        self.children(m, visit);
-    }
-    #[inline]
     fn refine(&self, mesh: &mut FrontMesh, m: UpdateId) {
         mesh.refine(self, m);
     }
@@ -428,17 +419,5 @@ impl TriangleModel for RightTriangles {
     /// The error: what counts on terrain is how high it is wrong.
     fn cost(&self, m: UpdateId) -> f32 {
         self.records[m.ix()].error()
-    }
-}
-
-impl LiveMesh for FrontMesh {
-    fn buffers(&self) -> &TriangleBuffers {
-        &self.buffers
-    }
-    fn buffers_mut(&mut self) -> &mut TriangleBuffers {
-        &mut self.buffers
-    }
-    fn memory_bytes(&self) -> usize {
-        FrontMesh::memory_bytes(self)
     }
 }

@@ -63,9 +63,13 @@ pub struct Bounds {
 impl Bounds {
     /// The box of some points; `None` where there are none.
     pub fn of(points: &[Vec3]) -> Option<Bounds> {
-        let (&first, rest) = points.split_first()?;
+        Bounds::over(points.iter().copied())
+    }
+    /// The same, of points from anywhere.
+    pub fn over(mut points: impl Iterator<Item = Vec3>) -> Option<Bounds> {
+        let first = points.next()?;
         let start = Bounds { min: first, max: first };
-        Some(rest.iter().fold(start, |b, &p| Bounds { min: b.min.min(p), max: b.max.max(p) }))
+        Some(points.fold(start, |b, p| Bounds { min: b.min.min(p), max: b.max.max(p) }))
     }
     /// The middle of the box.
     pub fn center(&self) -> Vec3 {

@@ -40,13 +40,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (mut ours, mut theirs) = (Front::new(&h), Front::new(&e));
         ours.top_down(&h, &Uniform, &request);
         theirs.top_down(&e, &Uniform, &request);
-        let measured = compare(&source, &ours.mesh().to_mesh(), &samples)?.a_to_b.max as f32;
+        let measured = compare(&source, &ours.mesh().buffers.to_mesh(), &samples)?.a_to_b.max as f32;
         println!(
             "{:.2} % of the diagonal: {} triangles, measured over promised {:.3}; edge collapse {} triangles",
             share * 100.0,
-            ours.mesh().triangles(),
+            ours.mesh().buffers.live_triangles(),
             measured / promised_error(&h, &ours),
-            theirs.mesh().triangles()
+            theirs.mesh().buffers.live_triangles()
         );
     }
     for share in [0.3, 0.1, 0.03, 0.01] {

@@ -117,8 +117,13 @@ pub trait MultiTessellation {
     /// Visits updates that must be applied before `m`. May visit applied ones too (the engine looks at its
     /// own set S); reads the live mesh only where the model's dependencies are implicit.
     fn needs(&self, mesh: &Self::Mesh, m: UpdateId, visit: impl FnMut(UpdateId));
-    /// Visits updates that must be undone before `m`. May visit unapplied ones too.
-    fn needed_by(&self, mesh: &Self::Mesh, m: UpdateId, visit: impl FnMut(UpdateId));
+    /// Visits updates that must be undone before `m`. May visit unapplied ones too. Where dependencies do not read the
+    /// mesh these are the children.
+    #[inline]
+    fn needed_by(&self, _mesh: &Self::Mesh, m: UpdateId, visit: impl FnMut(UpdateId)) {
+        const { assert!(!Self::READS_MESH, "a model that reads the mesh says what stands on an update there") };
+        self.children(m, visit)
+    }
     /// Applies a legal update: M⁻ becomes M⁺.
     fn refine(&self, mesh: &mut Self::Mesh, m: UpdateId);
     /// Undoes an applied update that nothing applied needs: the exact inverse of `refine`.

@@ -71,7 +71,7 @@ pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
         front.buffers.clear_changes();
         front.refine(&h, id);
     }
-    h.most = Most { vertices: front.vertices(), triangles: front.triangles() };
+    h.most = Most { vertices: front.buffers.live_vertices(), triangles: front.buffers.live_triangles() };
     let children = needs.reversed();
     h.roots = (0..updates as u32).map(UpdateId).filter(|m| needs.of(m.ix()).is_empty()).collect();
     for (m, node) in h.nodes.iter_mut().enumerate() {
@@ -143,9 +143,7 @@ fn undecorated(c: Columns) -> Result<EdgeCollapse, InvalidColumns> {
         return Err(InvalidColumns::TooMany(extra as usize));
     }
     let points = c.base.positions.iter().chain(c.positions.iter().flatten());
-    let bounds = points.fold(None, |b: Option<Bounds>, &p| {
-        Some(b.map_or(Bounds { min: p, max: p }, |b| Bounds { min: b.min.min(p), max: b.max.max(p) }))
-    });
+    let bounds = Bounds::over(points.copied());
     let frame = Frame::new(bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }));
     let source_normals = !c.base.vertex.normals.is_empty();
     let places = Places::on(c.grid);

@@ -6,9 +6,10 @@
 
 use super::{Columns, EdgeCollapse};
 use crate::live::{TriangleBuffers, VertexLook, put};
+use crate::model::LiveMesh;
 use crate::slot_table::SlotTable;
 use arrayvec::ArrayVec;
-use meshfront_mesh::{TriangleMesh, VertexId};
+use meshfront_mesh::VertexId;
 use meshfront_refine::UpdateId;
 
 /// End of a list.
@@ -120,25 +121,6 @@ impl FrontMesh {
         front
     }
 
-    /// Number of live triangles.
-    pub fn triangles(&self) -> usize {
-        self.buffers.live_triangles()
-    }
-    /// Number of live vertices.
-    pub fn vertices(&self) -> usize {
-        self.buffers.live_vertices()
-    }
-    /// A compact copy of the live mesh.
-    pub fn to_mesh(&self) -> TriangleMesh {
-        self.buffers.to_mesh()
-    }
-    /// Memory held, bytes: capacities, not sizes; without the list of changes, which lives for one frame.
-    pub fn memory_bytes(&self) -> usize {
-        fn of<T>(v: &Vec<T>) -> usize {
-            v.capacity() * size_of::<T>()
-        }
-        self.buffers.memory_bytes() + of(&self.vertices) + of(&self.links) + self.slots.memory_bytes()
-    }
     /// Number and corners of each live triangle, in slot order: the same triangle has the same number in all fronts.
     pub fn numbered_triangles(&self) -> impl Iterator<Item = (u32, [VertexId; 3])> {
         let live = self.buffers.triangles.iter().zip(&self.links).filter(|(t, _)| t[0] != t[1]);
@@ -342,5 +324,20 @@ impl FrontMesh {
         let slot = self.buffers.add_triangle(corners);
         put(&mut self.links, slot, Links { next: [NONE; 3], number }, self.buffers.most().triangles);
         slot
+    }
+}
+
+impl LiveMesh for FrontMesh {
+    fn buffers(&self) -> &TriangleBuffers {
+        &self.buffers
+    }
+    fn buffers_mut(&mut self) -> &mut TriangleBuffers {
+        &mut self.buffers
+    }
+    fn memory_bytes(&self) -> usize {
+        fn of<T>(v: &Vec<T>) -> usize {
+            v.capacity() * size_of::<T>()
+        }
+        self.buffers.memory_bytes() + of(&self.vertices) + of(&self.links) + self.slots.memory_bytes()
     }
 }

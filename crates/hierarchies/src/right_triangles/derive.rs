@@ -213,10 +213,8 @@ pub(super) fn derive(columns: Columns) -> Result<RightTriangles, InvalidHeights>
     let (low, high) = there.clone().fold((f32::MAX, f32::MIN), |(a, b), &h| (a.min(h), b.max(h)));
     let extent = (DVec2::new((w - 1) as f64, (r - 1) as f64) * spacing).as_vec2();
     let updates = records.iter().filter(|r| r.is_update());
-    let triangles =
-        base.triangles.len() + updates.clone().map(|r| r.sides().into_iter().filter(|&s| s).count()).sum::<usize>();
+    let triangles = base.triangles.len() + updates.map(|r| r.sides().into_iter().filter(|&s| s).count()).sum::<usize>();
     Ok(RightTriangles {
-        updates: updates.count(),
         vertices: there.count() as u32,
         triangles: triangles as u32,
         bounds: Bounds { min: Vec2::ZERO.extend(low), max: extent.extend(high) },

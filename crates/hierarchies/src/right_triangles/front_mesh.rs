@@ -5,6 +5,7 @@ use super::lattice::{Site, quarter};
 use super::record::Record;
 use super::{Corner, RightTriangles};
 use crate::live::{TriangleBuffers, VertexLook, put, snorm16};
+use crate::model::LiveMesh;
 use crate::slot_table::SlotTable;
 use meshfront_refine::UpdateId;
 
@@ -38,10 +39,6 @@ impl FrontMesh {
     /// The sample of each vertex slot: `row · columns + column` from the south-west. Free slots keep an old one.
     pub fn samples(&self) -> &[u32] {
         &self.samples
-    }
-    /// Memory held, bytes: capacities, not sizes; without the list of changes, which lives for one frame.
-    pub fn memory_bytes(&self) -> usize {
-        self.buffers.memory_bytes() + self.samples.capacity() * 4 + self.slots.memory_bytes()
     }
 
     fn new_vertex(&mut self, h: &RightTriangles, x: i32, y: i32, record: &Record, level: u8) -> u32 {
@@ -110,4 +107,16 @@ impl FrontMesh {
 fn halves(m: UpdateId, [dx, dy]: [i32; 2]) -> [usize; 2] {
     // Ends of the hypotenuse are at a right angle to the step: a = v + (−dy, dx), b = v + (dy, −dx).
     [[dx - dy, dy + dx], [dx + dy, dy - dx]].map(|way| 4 * m.ix() + quarter(way))
+}
+
+impl LiveMesh for FrontMesh {
+    fn buffers(&self) -> &TriangleBuffers {
+        &self.buffers
+    }
+    fn buffers_mut(&mut self) -> &mut TriangleBuffers {
+        &mut self.buffers
+    }
+    fn memory_bytes(&self) -> usize {
+        self.buffers.memory_bytes() + self.samples.capacity() * 4 + self.slots.memory_bytes()
+    }
 }

@@ -1,5 +1,6 @@
 //! What is kept of a sample, in twelve bytes.
 
+use crate::quantize::{of_upper_half, upper_half};
 use glam::Vec3;
 use std::f32::consts::FRAC_PI_2;
 
@@ -19,17 +20,6 @@ pub(super) struct Record {
 /// Steps of a half angle up to a right angle; one more stands for all directions.
 const ANGLES: f32 = 254.0;
 
-/// The upper half of a number that is not negative, rounded up.
-#[inline]
-fn upper(x: f32) -> u16 {
-    let bits = x.to_bits();
-    ((bits >> 16) + u32::from(bits & 0xffff != 0)) as u16
-}
-#[inline]
-fn number(upper: u16) -> f32 {
-    f32::from_bits((upper as u32) << 16)
-}
-
 impl Record {
     pub fn new(height: f32, normal: Vec3, sides: [bool; 2]) -> Record {
         Record { height, error: 0, radius: 0, packed: pack_normal(normal) | pack_sides(sides) << 22 }
@@ -43,9 +33,9 @@ impl Record {
         // Rounded up, and up to the next step where it is one: roots were rounded too.
         let angle = if half_angle >= FRAC_PI_2 { 255 } else { (half_angle * (ANGLES / FRAC_PI_2)) as u32 + 1 };
         Record {
-            error: upper(error),
+            error: upper_half(error),
             // A relative 1e-6 covers the rounding of the additions that checked containment.
-            radius: upper(radius * (1.0 + 1e-6)),
+            radius: upper_half(radius * (1.0 + 1e-6)),
             packed: self.packed & 0xff_ffff | angle.min(255) << 24,
             ..self
         }
@@ -53,11 +43,11 @@ impl Record {
 
     #[inline]
     pub fn error(&self) -> f32 {
-        number(self.error)
+        of_upper_half(self.error)
     }
     #[inline]
     pub fn radius(&self) -> f32 {
-        number(self.radius)
+        of_upper_half(self.radius)
     }
     /// The sample's normal, of any length.
     #[inline]

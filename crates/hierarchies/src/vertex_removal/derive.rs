@@ -63,7 +63,7 @@ pub(super) fn derive(columns: Columns) -> Result<VertexRemoval, InvalidColumns> 
         front.refine(&h, id);
         twins.insert(&h, id, &front, &place);
     }
-    h.most = Most { vertices: front.vertices(), triangles: front.triangles() };
+    h.most = Most { vertices: front.buffers.live_vertices(), triangles: front.buffers.live_triangles() };
     let children = needs.reversed();
     h.roots = (0..updates as u32).map(UpdateId).filter(|m| needs.of(m.ix()).is_empty()).collect();
     for (node, &first) in h.nodes.iter_mut().zip(&children.offsets) {
@@ -81,7 +81,7 @@ pub(super) fn derive(columns: Columns) -> Result<VertexRemoval, InvalidColumns> 
     Ok(h)
 }
 
-/// The update's own share of [`VertexRemoval::cost`]: squared distance of v from the cells of M⁻, times their area. Where an
+/// The update's own share of [`TriangleModel::cost`](crate::TriangleModel::cost): squared distance of v from the cells of M⁻, times their area. Where an
 /// edge of v crosses M⁻ the distance may be greater, which shows in the error; it counts a tenth, so little does it say of
 /// the mean.
 fn step_cost(v: Vec3, coarse: impl Iterator<Item = [Vec3; 3]>, error: f32) -> f32 {
@@ -140,9 +140,7 @@ pub(super) fn check_shape(c: &Columns) -> Result<(), InvalidColumns> {
 fn undecorated(c: Columns) -> VertexRemoval {
     let updates = c.patches.len();
     let points = c.base.positions.iter().chain(&c.positions);
-    let bounds = points.fold(None, |b: Option<Bounds>, &p| {
-        Some(b.map_or(Bounds { min: p, max: p }, |b| Bounds { min: b.min.min(p), max: b.max.max(p) }))
-    });
+    let bounds = Bounds::over(points.copied());
     let frame = Frame::new(bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }));
     let source_normals = !c.base.vertex.normals.is_empty() || !c.normals.is_empty();
     let places = Places::on(c.grid);

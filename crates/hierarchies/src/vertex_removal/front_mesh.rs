@@ -5,9 +5,10 @@
 use super::polygon::MOST_CORNERS;
 use super::{CellCorner, VertexRemoval};
 use crate::live::{TriangleBuffers, put};
+use crate::model::LiveMesh;
 use crate::slot_table::SlotTable;
 use arrayvec::ArrayVec;
-use meshfront_mesh::{TriangleMesh, VertexId};
+use meshfront_mesh::VertexId;
 use meshfront_refine::UpdateId;
 
 /// A front's live mesh: some 110 bytes per active vertex, where capacity follows size.
@@ -38,22 +39,6 @@ impl FrontMesh {
         front
     }
 
-    /// Number of live triangles.
-    pub fn triangles(&self) -> usize {
-        self.buffers.live_triangles()
-    }
-    /// Number of live vertices.
-    pub fn vertices(&self) -> usize {
-        self.buffers.live_vertices()
-    }
-    /// A compact copy of the live mesh.
-    pub fn to_mesh(&self) -> TriangleMesh {
-        self.buffers.to_mesh()
-    }
-    /// Memory held, bytes: capacities, not sizes; without the list of changes, which lives for one frame.
-    pub fn memory_bytes(&self) -> usize {
-        self.buffers.memory_bytes() + self.ids.capacity() * size_of::<VertexId>() + self.cells.memory_bytes()
-    }
     /// Corners of each live triangle, in slot order.
     pub fn corners(&self) -> impl Iterator<Item = [VertexId; 3]> {
         let live = self.buffers.triangles.iter().filter(|t| t[0] != t[1]);
@@ -139,5 +124,17 @@ impl CellCorner {
     fn corner(self, k: usize) -> usize {
         let corner = self.first() + k;
         if corner >= 3 { corner - 3 } else { corner }
+    }
+}
+
+impl LiveMesh for FrontMesh {
+    fn buffers(&self) -> &TriangleBuffers {
+        &self.buffers
+    }
+    fn buffers_mut(&mut self) -> &mut TriangleBuffers {
+        &mut self.buffers
+    }
+    fn memory_bytes(&self) -> usize {
+        self.buffers.memory_bytes() + self.ids.capacity() * size_of::<VertexId>() + self.cells.memory_bytes()
     }
 }
