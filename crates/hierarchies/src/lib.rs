@@ -10,6 +10,7 @@ mod parallel;
 mod quantize;
 pub mod right_triangles;
 mod slot_table;
+pub mod vertex_pair;
 pub mod vertex_removal;
 
 pub use edge_collapse::EdgeCollapse;
