@@ -120,7 +120,7 @@ proptest! {
         let mut seen = a.eye.distance(b.eye) / 4.0;
         for p in in_ball(c, r).chain([c, c + (b.eye - a.eye).normalize_or(Vec3::X) * r, c + (a.eye - c).normalize() * r]) {
             seen = seen.max((p.distance(a.eye) - p.distance(b.eye)).abs());
-            for (f, g) in f.planes.iter().zip(&g.planes) {
+            for (f, g) in f.planes().iter().zip(&g.planes()) {
                 seen = seen.max((f.distance(p) - g.distance(p)).abs());
             }
         }

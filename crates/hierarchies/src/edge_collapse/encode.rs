@@ -42,7 +42,7 @@ pub fn encode_split(star: &mut [StarTriangle], removed: &[(u32, bool)]) -> Encod
     let mut decoded = Star::new();
     for (i, t) in star.iter().enumerate() {
         sides |= u32::from(t.on_v != swapped) << i;
-        decoded.push(StarCorner { corner: 0, after: t.after, before: t.before });
+        decoded.push(StarCorner { after: t.after, before: t.before });
     }
     let find = |w: u32, flipped: bool| removed.iter().position(|&(rw, rf)| rw == w && (rf != swapped) == flipped);
     if let Some(gaps) = gaps(&decoded, sides) {

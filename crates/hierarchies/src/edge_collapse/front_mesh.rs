@@ -4,7 +4,7 @@
 //! what `Columns::sides` speaks of, and it makes `coarsen` the exact inverse of `refine`. Highest numbers come first:
 //! they are the latest, so that what comes and goes does so near the head.
 
-use super::{Columns, EdgeCollapse};
+use super::{AddedTriangle, Columns, EdgeCollapse};
 use crate::live::{TriangleBuffers, VertexLook, put};
 use crate::model::LiveMesh;
 use crate::slot_table::SlotTable;
@@ -54,7 +54,6 @@ pub(super) type Star = ArrayVec<StarCorner, { Columns::MAX_STAR }>;
 /// A triangle of a star.
 #[derive(Clone, Copy)]
 pub(super) struct StarCorner {
-    pub corner: Corner,
     /// Vertex slot: the one after the centre in the triangle's orientation.
     pub after: u32,
     /// And the one before.
@@ -136,7 +135,6 @@ impl FrontMesh {
     }
 
     /// The star of a vertex slot; `None` where it is larger than a split may have.
-    #[inline]
     pub(super) fn star(&self, slot: u32) -> Option<Star> {
         let mut star = Star::new();
         let mut corner = self.vertices[slot as usize].first;
@@ -145,29 +143,47 @@ impl FrontMesh {
             let triangle = &self.buffers.triangles[t];
             let after = triangle[if k == 2 { 0 } else { k + 1 }];
             let before = triangle[if k == 0 { 2 } else { k - 1 }];
-            star.try_push(StarCorner { corner, after, before }).ok()?;
+            star.try_push(StarCorner { after, before }).ok()?;
             corner = self.links[t].next[k];
         }
         star.reverse();
         Some(star)
     }
 
-    /// The triangles that a split adds to a star.
+    /// The corners of a star, in order, whose triangles nobody has looked at yet.
     #[inline]
-    pub(super) fn added(&self, h: &EdgeCollapse, m: UpdateId, star: &Star) -> AddedList {
-        let split = &h.splits[m.ix()];
-        match h.explicit_index(m) {
-            None => split.gaps[..split.added as usize].iter().map(|&g| gap_triangle(star, split.sides, g)).collect(),
-            Some(e) => h.explicit[e].added.iter().map(|a| a.of(star)).collect(),
+    fn star_corners(&self, slot: u32, corners: &mut ArrayVec<Corner, { Columns::MAX_STAR }>) {
+        let mut corner = self.vertices[slot as usize].first;
+        while corner != NONE {
+            corners.push(corner);
+            corner = self.links[corner as usize >> 2].next[corner as usize & 3];
         }
+        corners.reverse();
+    }
+    /// The vertex slot before a corner in its triangle's orientation, or after it.
+    #[inline]
+    fn neighbour(&self, corner: Corner, before: bool) -> u32 {
+        let k = corner as usize & 3;
+        let other = if before { [2, 0, 1][k] } else { [1, 2, 0][k] };
+        self.buffers.triangles[corner as usize >> 2][other]
     }
 
     #[inline]
     pub(super) fn refine(&mut self, h: &EdgeCollapse, m: UpdateId) {
-        let split = h.splits[m.ix()];
+        let split = &h.splits[m.ix()];
         let slot_u = self.slot(split.vertex).expect("the engine refines only what is legal");
-        let star = self.star(slot_u).expect("validated when the hierarchy was made");
-        let added = self.added(h, m, &star);
+        let mut star = ArrayVec::new();
+        self.star_corners(slot_u, &mut star);
+        // Half of the star keeps its triangles as they are: only those at a gap and those that go to v are read.
+        let explicit = if split.sides & Columns::EXPLICIT != 0 { h.explicit_index(m) } else { None };
+        let gap_triangle =
+            |&gap: &u8| Added { w: self.neighbour(star[gap as usize], true), flipped: split.sides >> gap & 1 == 1 };
+        let listed =
+            |a: &AddedTriangle| Added { w: self.neighbour(star[a.star as usize], a.before), flipped: a.flipped };
+        let added: AddedList = match explicit {
+            None => split.gaps[..split.added as usize].iter().map(gap_triangle).collect(),
+            Some(e) => h.explicit[e].added.iter().map(listed).collect(),
+        };
 
         let (u, v) = (h.child(m, 0), h.child(m, 1));
         let level = split.level.saturating_add(1);
@@ -179,7 +195,7 @@ impl FrontMesh {
         // The star's list becomes two; both stay in order.
         let (mut end_u, mut end_v) = (NONE, NONE);
         self.vertices[slot_u as usize].first = NONE;
-        for (i, &StarCorner { corner, .. }) in star.iter().enumerate().rev() {
+        for (i, &corner) in star.iter().enumerate().rev() {
             if split.sides >> i & 1 == 0 {
                 self.link(slot_u, &mut end_u, corner);
             } else {
@@ -190,7 +206,6 @@ impl FrontMesh {
         self.terminate(end_u);
         self.terminate(end_v);
 
-        let explicit = if split.sides & Columns::EXPLICIT != 0 { h.explicit_index(m) } else { None };
         for (j, a) in added.iter().enumerate() {
             let corners = if a.flipped { [slot_v, a.w, slot_u] } else { [slot_u, a.w, slot_v] };
             let slot = self.new_triangle(h.added_number(m, explicit, j), corners);
@@ -201,20 +216,26 @@ impl FrontMesh {
     }
 
     pub(super) fn coarsen(&mut self, h: &EdgeCollapse, m: UpdateId) {
-        let split = h.splits[m.ix()];
+        let split = &h.splits[m.ix()];
         let legal = "the engine coarsens only what is legal";
         let slot_u = self.slot(h.child(m, 0)).expect(legal);
         let slot_v = self.slot(h.child(m, 1)).expect(legal);
 
-        // The triangles on the edge go, last added first, so that free slots come back in the order they were taken.
+        // The triangles on the edge go, last added first, so that free slots come back in the order they were taken. They
+        // are told by their numbers, which are among the highest around u: most lists are left at once.
         let mut gone = ArrayVec::<u32, MAX_ADDED>::new();
+        let explicit = if split.sides & Columns::EXPLICIT != 0 { h.explicit_index(m) } else { None };
+        let is_added = |number: u32| match explicit {
+            None => number.wrapping_sub(h.added_number(m, None, 0)) < 2,
+            Some(_) => (0..split.added as usize).any(|j| h.added_number(m, explicit, j) == number),
+        };
         let mut corner = self.vertices[slot_u as usize].first;
-        while corner != NONE {
-            let (t, k) = (corner >> 2, corner as usize & 3);
-            if self.buffers.triangles[t as usize].contains(&slot_v) {
-                gone.push(t);
+        while gone.len() < split.added as usize {
+            let links = &self.links[corner as usize >> 2];
+            if is_added(links.number) {
+                gone.push(corner >> 2);
             }
-            corner = self.links[t as usize].next[k];
+            corner = links.next[corner as usize & 3];
         }
         for &t in gone.iter().rev() {
             for k in 0..3u32 {

@@ -2,7 +2,7 @@
 
 use super::{Camera, safe_slack};
 use crate::{Criterion, Fingerprint, Footprint, Plane, Pose};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 const SEEN: f32 = f32::INFINITY;
 
@@ -10,29 +10,50 @@ const SEEN: f32 = f32::INFINITY;
 /// a·x + b·y + c·z + d < −r (`hoppe1997`; the lecture's view-frustum criterion).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {
-    /// Left, right, bottom, top and near plane, normals inwards. There is no far plane.
-    pub planes: [Plane; 5],
+    eye: Vec3,
+    /// The inward normals of left, right, bottom and top: their x, their y and their z, so that four distances are
+    /// computed as one.
+    sides: [Vec4; 3],
+    /// The inward normal of the near plane, and how far from the eye that is.
+    forward: Vec3,
+    near: f32,
 }
 
 impl Frustum {
-    /// The frustum of a camera.
+    /// The frustum of a camera. There is no far plane.
     pub fn new(camera: &Camera) -> Frustum {
         let (right, up, forward) = camera.axes();
         let tan_y = (camera.fov_y / 2.0).tan();
         let tan_x = tan_y * camera.width_px / camera.height_px;
-        let side = |inward: Vec3, tan: f32| Plane {
-            point: camera.eye,
-            normal: (inward + forward * tan).normalize_or(forward),
-        };
-        let near = Plane { point: camera.eye + forward * camera.near, normal: forward };
-        Frustum { planes: [side(right, tan_x), side(-right, tan_x), side(up, tan_y), side(-up, tan_y), near] }
+        let side = |inward: Vec3, tan: f32| (inward + forward * tan).normalize_or(forward);
+        let sides = [side(right, tan_x), side(-right, tan_x), side(up, tan_y), side(-up, tan_y)];
+        let sides = [0, 1, 2].map(|axis| Vec4::from_array(sides.map(|normal| normal[axis])));
+        Frustum { eye: camera.eye, sides, forward, near: camera.near }
+    }
+
+    /// Left, right, bottom, top and near plane, normals inwards.
+    pub fn planes(&self) -> [Plane; 5] {
+        let [x, y, z] = self.sides;
+        let side = |i: usize| Plane { point: self.eye, normal: Vec3::new(x[i], y[i], z[i]) };
+        let near = Plane { point: self.eye + self.forward * self.near, normal: self.forward };
+        [side(0), side(1), side(2), side(3), near]
+    }
+
+    /// Signed distance of a point from the plane that it is farthest outside of, and the magnitude of what that is
+    /// computed from.
+    #[inline]
+    fn inside(&self, p: Vec3) -> (f32, f32) {
+        let v = p - self.eye;
+        let [x, y, z] = self.sides;
+        let sides = x * v.x + y * v.y + z * v.z;
+        (sides.min_element().min(self.forward.dot(v) - self.near), v.abs().max_element() + self.near)
     }
 }
 
 impl Criterion for Frustum {
     #[inline]
     fn pixels(&self, f: &Footprint) -> f32 {
-        if self.planes.iter().any(|p| p.distance(f.center) < -f.radius) { 0.0 } else { SEEN }
+        self.score(f, 0.0).0
     }
     #[inline]
     fn slack(&self, f: &Footprint, tolerance: f32) -> f32 {
@@ -40,20 +61,12 @@ impl Criterion for Frustum {
     }
     #[inline]
     fn score(&self, f: &Footprint, _: f32) -> (f32, f32) {
-        // The plane that the sphere is farthest outside of decides, both ways.
-        let (mut pixels, mut least, mut scale) = (SEEN, f32::INFINITY, 0f32);
-        for p in &self.planes {
-            let distance = p.distance(f.center);
-            if distance < -f.radius {
-                pixels = 0.0;
-            }
-            least = least.min(distance + f.radius);
-            scale = scale.max((f.center - p.point).abs().max_element());
-        }
-        (pixels, safe_slack(least, 3.0 * scale + f.radius))
+        let (inside, scale) = self.inside(f.center);
+        let reach = inside + f.radius;
+        (if reach < 0.0 { 0.0 } else { SEEN }, safe_slack(reach, 3.0 * scale + f.radius))
     }
     fn pose(&self) -> Pose {
-        self.planes.iter().fold(Pose::new(Fingerprint::of("frustum")), |pose, &p| pose.with_plane(p))
+        self.planes().iter().fold(Pose::new(Fingerprint::of("frustum")), |pose, &p| pose.with_plane(p))
     }
 }
 
