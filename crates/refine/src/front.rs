@@ -17,6 +17,10 @@
 //!          some need not applied              never looked at
 //! ```
 
+mod together;
+
+pub use together::{Member, Viewed, adapt_together};
+
 use crate::bits::Bits;
 use crate::calendar::Calendar;
 use crate::request::Timer;
@@ -51,12 +55,13 @@ pub struct Front<H: MultiTessellation> {
     /// Where dependencies are read off the mesh: who waits for the undoing of whom.
     waiting: HashMap<u32, Vec<u32>>,
     scratch: Vec<UpdateId>,
-    gathered: Vec<Ranked>,
     steps: Vec<Step>,
     sweep: Sweep,
     pose: Option<Pose>,
     tolerance: f32,
     max_cells: Option<usize>,
+    /// Cells of the fronts that shared the budget in the last call.
+    others: usize,
     /// Counts views, so that a rank knows whether it is of today.
     view: u32,
     /// Where decisions are: each cell has a wheel of the calendar.
@@ -78,7 +83,7 @@ struct Sweep {
 
 /// A decision with what the criterion said.
 #[derive(Clone, Copy, Debug)]
-struct Ranked {
+pub struct Ranked {
     pixels: f32,
     slack: f32,
     m: u32,
@@ -104,11 +109,22 @@ impl Ord for Ranked {
 }
 
 /// What one call carries about.
-struct Run {
+pub struct Run {
     tolerance: f32,
     max_cells: usize,
     evaluations: u32,
     timer: Timer,
+}
+
+impl Run {
+    fn new(r: &Request) -> Run {
+        Run {
+            tolerance: if r.tolerance > 0.0 { r.tolerance } else { 0.0 },
+            max_cells: r.max_cells.unwrap_or(usize::MAX),
+            evaluations: 0,
+            timer: Timer::start(r),
+        }
+    }
 }
 
 /// Weight of applying or undoing an update for the timer, in looks at a decision.
@@ -140,12 +156,12 @@ impl<H: MultiTessellation> Front<H> {
             fresh: Vec::new(),
             waiting: HashMap::new(),
             scratch: Vec::new(),
-            gathered: Vec::new(),
             steps: Vec::new(),
             sweep: Sweep::default(),
             pose: None,
             tolerance: 0.0,
             max_cells: None,
+            others: 0,
             view: 0,
             grid,
             ticks_per_unit: if ticks_per_unit.is_normal() { ticks_per_unit } else { 1.0 },
@@ -209,8 +225,7 @@ impl<H: MultiTessellation> Front<H> {
     pub fn memory(&self) -> usize {
         (self.applied.words().len() * 3) * 8
             + self.calendar.memory()
-            + (self.wanted.capacity() + self.leaves.capacity() + self.gathered.capacity() + self.fresh.capacity())
-                * size_of::<Ranked>()
+            + (self.wanted.capacity() + self.leaves.capacity() + self.fresh.capacity()) * size_of::<Ranked>()
             + (self.work.capacity() + self.scratch.capacity()) * 4
             + self.steps.capacity() * size_of::<Step>()
     }
@@ -236,47 +251,16 @@ impl<H: MultiTessellation> Front<H> {
     /// improves; this needs a rank for every open decision, so each new view then looks at all of them. After the
     /// budget was lowered, a front without a deadline is within it at once; with one, in the course of calls.
     pub fn adapt<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, r: &Request) -> Outcome {
-        self.trim();
-        self.steps.clear();
-        let mut run = self.arrive(c, r);
-        let moved = self.enter(c.pose(), run.tolerance);
-        if self.settled && moved == Some(false) && self.max_cells == r.max_cells {
-            return self.report(h, &run);
-        }
-        self.settled = false;
-        let budget_changed = std::mem::replace(&mut self.max_cells, r.max_cells) != r.max_cells;
-        if self.stale || moved.is_none() || (self.budget_bound && (moved != Some(false) || budget_changed)) {
-            self.budget_bound &= r.max_cells.is_some();
-            self.look_at_all();
-        }
-        if h.cells(&self.mesh) > run.max_cells && !self.budget_bound {
-            self.bind();
-        }
-        loop {
-            self.contract(h, c, &mut run);
-            // Also when time is up: a call applies at least one update, however short its time.
-            let exhausted = if self.budget_bound { self.balance(h, c, &mut run) } else { self.expand(h, c, &mut run) };
-            self.settled = exhausted && self.is_idle();
-            if self.settled || run.timer.out() {
-                break;
-            }
-        }
-        if self.settled && self.budget_bound && self.wanted.is_empty() {
-            // Some room is asked for before the calendar takes over again: filling it costs a look at everything.
-            let cells = h.cells(&self.mesh);
-            if cells <= run.max_cells - run.max_cells / 10 {
-                self.budget_bound = false;
-                self.stale = true;
-            }
-        }
-        self.report(h, &run)
+        let mut me = Viewed::new(self, h, c);
+        adapt_together(&mut [&mut me], r);
+        me.outcome()
     }
 
     /// Top-down: from the base mesh, depth first. The quickest way to a front that has little in common with the
     /// present one. Stops at a deadline or budget without regard to what is worst; `adapt` goes on from there.
     pub fn top_down<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, r: &Request) -> Outcome {
         self.reset(h);
-        let mut run = self.arrive(c, r);
+        let mut run = Run::new(r);
         self.enter(c.pose(), run.tolerance);
         self.max_cells = r.max_cells;
         self.settled = false;
@@ -305,7 +289,7 @@ impl<H: MultiTessellation> Front<H> {
         }
         self.file_fresh();
         self.settled = self.is_idle();
-        self.report(h, &run)
+        self.report(h, run.tolerance, run.evaluations)
     }
 
     /// Interruptible: from the base mesh, worst first, so that whenever a deadline or the budget stops it the front
@@ -334,15 +318,6 @@ impl<H: MultiTessellation> Front<H> {
         }
     }
 
-    fn arrive<C: Criterion + ?Sized>(&self, _: &C, r: &Request) -> Run {
-        Run {
-            tolerance: if r.tolerance > 0.0 { r.tolerance } else { 0.0 },
-            max_cells: r.max_cells.unwrap_or(usize::MAX),
-            evaluations: 0,
-            timer: Timer::start(r),
-        }
-    }
-
     /// Takes note of the view, and has the calendar hand out what comes due. Whether it moved; `None` if all
     /// answers are void.
     fn enter(&mut self, pose: Pose, tolerance: f32) -> Option<bool> {
@@ -360,18 +335,18 @@ impl<H: MultiTessellation> Front<H> {
         Some(true)
     }
 
-    fn report(&self, h: &H, run: &Run) -> Outcome {
+    fn report(&self, h: &H, tolerance: f32, evaluations: u32) -> Outcome {
         let refined = self.steps.iter().filter(|s| matches!(s, Step::Refine(_))).count() as u32;
         let worst = self.wanted.peek().map_or(0.0, |w| w.pixels);
         Outcome {
             refined,
             coarsened: self.steps.len() as u32 - refined,
-            evaluations: run.evaluations,
+            evaluations,
             open: self.open_count as u32,
             cells: h.cells(&self.mesh),
             settled: self.settled,
             budget_bound: self.budget_bound,
-            error_px: if self.applied_count == h.len() { 0.0 } else { worst.max(run.tolerance) },
+            error_px: if self.applied_count == h.len() { 0.0 } else { worst.max(tolerance) },
         }
     }
 
@@ -427,7 +402,6 @@ impl<H: MultiTessellation> Front<H> {
 
     /// Looks at what is due: undoes the leaves that are not wanted, ranks the decisions that are.
     fn contract<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, run: &mut Run) {
-        let limit = run.timer.begin_phase(0.5);
         while let Some(m) = self.next_decision() {
             let steps = self.steps.len();
             self.decide(h, c, m, run);
@@ -435,12 +409,17 @@ impl<H: MultiTessellation> Front<H> {
                 break;
             }
         }
-        run.timer.end_phase(limit);
     }
 
-    /// Applies what is wanted, worst first. `false` where the budget is in the way.
-    fn expand<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, run: &mut Run) -> bool {
+    /// Applies what is wanted, worst first, as long as it is worse than `down_to`. `false` where the budget is in the
+    /// way.
+    fn expand<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, max_cells: usize, down_to: f32, run: &mut Run) -> bool {
+        let mut room = true;
         while let Some(mut top) = self.wanted.pop() {
+            if top.pixels <= down_to {
+                self.wanted.push(top);
+                break;
+            }
             self.filed.remove(top.m);
             if !self.open.has(top.m) || self.applied.has(top.m) {
                 self.decide(h, c, top.m, run);
@@ -454,14 +433,11 @@ impl<H: MultiTessellation> Front<H> {
                     continue;
                 }
             }
-            if !self.apply(h, top.m, run.max_cells) {
+            room = self.apply(h, top.m, max_cells);
+            if !room {
                 self.filed.insert(top.m);
                 self.wanted.push(top);
-                self.file_fresh();
-                if self.no_decisions() {
-                    self.bind();
-                }
-                return false;
+                break;
             }
             self.file_later(top);
             self.drain_work(h, c, run);
@@ -470,68 +446,14 @@ impl<H: MultiTessellation> Front<H> {
             }
         }
         self.file_fresh();
-        true
+        room
     }
 
-    /// Brings the front within the budget, and spends it on the worst decisions.
-    fn balance<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, run: &mut Run) -> bool {
-        while h.cells(&self.mesh) > run.max_cells {
-            let Some(leaf) = self.cheapest(h, c, run) else { break };
-            self.undo(h, leaf.m);
-            self.wanted.push(leaf);
-            self.drain_work(h, c, run);
-            if run.timer.spend(UPDATE) {
-                return false;
-            }
-        }
-        while let Some(top) = self.worst(h, c, run) {
-            let cells = h.cells(&self.mesh) + h.cells_added(UpdateId(top.m));
-            if cells > run.max_cells {
-                let mut gathered = std::mem::take(&mut self.gathered);
-                let mut freed = 0;
-                while cells - freed > run.max_cells {
-                    match self.cheapest(h, c, run) {
-                        Some(leaf) if leaf.pixels < top.pixels => {
-                            freed += h.cells_added(UpdateId(leaf.m)).min(cells - freed);
-                            gathered.push(leaf);
-                        }
-                        Some(leaf) => {
-                            self.leaves.push(Reverse(leaf));
-                            break;
-                        }
-                        None => break,
-                    }
-                }
-                let enough = cells - freed <= run.max_cells;
-                for leaf in gathered.drain(..) {
-                    if enough && self.is_leaf(h, leaf.m) {
-                        self.undo(h, leaf.m);
-                        self.wanted.push(leaf);
-                    } else {
-                        self.leaves.push(Reverse(leaf));
-                    }
-                }
-                self.gathered = gathered;
-                if !enough {
-                    self.wanted.push(top);
-                    return true;
-                }
-            }
-            if self.open.has(top.m) && self.apply(h, top.m, run.max_cells) {
-                self.leaves.push(Reverse(top));
-            }
-            self.drain_work(h, c, run);
-            if run.timer.spend(2 * UPDATE) {
-                return false;
-            }
-        }
-        true
-    }
-
-    /// Takes the least wrong leaf, ranked in this view.
+    /// The least wrong leaf, ranked in this view: the first of `leaves`.
     fn cheapest<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, run: &mut Run) -> Option<Ranked> {
-        while let Some(Reverse(leaf)) = self.leaves.pop() {
+        while let Some(&Reverse(leaf)) = self.leaves.peek() {
             if !self.is_leaf(h, leaf.m) {
+                self.leaves.pop();
                 self.filed.remove(leaf.m);
                 if H::READS_MESH {
                     self.work.push(leaf.m);
@@ -539,6 +461,7 @@ impl<H: MultiTessellation> Front<H> {
             } else if leaf.view == self.view {
                 return Some(leaf);
             } else {
+                self.leaves.pop();
                 let leaf = self.rank(h, c, leaf.m, run);
                 self.leaves.push(Reverse(leaf));
             }
@@ -546,14 +469,16 @@ impl<H: MultiTessellation> Front<H> {
         None
     }
 
-    /// Takes the worst decision, ranked in this view.
+    /// The worst decision, ranked in this view: the first of `wanted`.
     fn worst<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, run: &mut Run) -> Option<Ranked> {
-        while let Some(top) = self.wanted.pop() {
+        while let Some(&top) = self.wanted.peek() {
             if !self.open.has(top.m) || self.applied.has(top.m) {
+                self.wanted.pop();
                 self.filed.remove(top.m);
             } else if top.view == self.view {
                 return Some(top);
             } else {
+                self.wanted.pop();
                 let top = self.rank(h, c, top.m, run);
                 if top.pixels > run.tolerance {
                     self.wanted.push(top);

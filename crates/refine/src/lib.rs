@@ -17,6 +17,6 @@ mod request;
 pub use any::{AnyFront, Owned};
 pub use criteria::{Camera, ViewOptions, view};
 pub use criterion::{Criterion, Fingerprint, Plane, Pose};
-pub use front::Front;
+pub use front::{Front, Member, Viewed, adapt_together};
 pub use hierarchy::{Footprint, MultiTessellation, NormalCone, Step, UpdateId};
 pub use request::{Outcome, Request};
