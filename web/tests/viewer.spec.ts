@@ -21,10 +21,10 @@ interface Meshfront {
   freeze(on: boolean): void;
   flyBy(): Promise<FlyByReport>;
   camera: { position: { toArray(): Vec3 } };
-  object: {
+  objects: {
     addEventListener(type: string, listener: () => void): void;
     geometry: { attributes: Record<string, { array: ArrayBufferView }>; index: { array: ArrayBufferView } };
-  };
+  }[];
 }
 declare const window: {
   meshfront: Meshfront;
@@ -170,7 +170,7 @@ test("only changed ranges are uploaded", async ({ page }) => {
   await page.evaluate(() => {
     window.uploads = { bytes: 0, whole: 0 };
     window.changed = { updates: 0, bytes: 0 };
-    window.meshfront.object.addEventListener("needs-update", () => {
+    window.meshfront.objects[0]!.addEventListener("needs-update", () => {
       const { refined, coarsened, uploadBytes } = window.meshfront.stats()!;
       window.changed.updates += refined + coarsened;
       window.changed.bytes += uploadBytes;
@@ -182,7 +182,7 @@ test("only changed ranges are uploaded", async ({ page }) => {
   await drawn(page);
   const [uploads, changed] = await page.evaluate(() => [window.uploads, window.changed] as const);
   const everything = await page.evaluate(() => {
-    const { attributes, index } = window.meshfront.object.geometry;
+    const { attributes, index } = window.meshfront.objects[0]!.geometry;
     const columns = [...Object.values(attributes), index];
     return columns.reduce((sum, { array }) => sum + array.byteLength, 0);
   });
@@ -281,4 +281,27 @@ test("the worker flies as the native engine does", async ({ page }) => {
   expect(worker.updatesPerFrame / native.updates_per_frame).toBeCloseTo(1, 2);
   expect(worker.activeTriangles / native.triangles_mean).toBeCloseTo(1, 2);
   expect(worker.evaluationsPerFrame / native.evaluations_per_frame).toBeCloseTo(1, 1);
+});
+
+test("models of several kinds share one budget", async ({ page }) => {
+  const several = await view(terrain, "--at", "0,0,0", model, "--at", "7500,3000,-7500,1500");
+  try {
+    const free = await open(page, "", several);
+    await expect(page).toHaveTitle(/terrain.front, scan.front/);
+    expect(await page.evaluate(() => window.meshfront.objects.length)).toBe(2);
+    await shot(page, "several");
+    const limit = Math.round(free.triangles / 2);
+    await page.evaluate((limit) => window.meshfront.setBudget(limit), limit);
+    await expect.poll(async () => (await settled(page)).budgetBound).toBe(true);
+    const bound = await settled(page);
+    expect(bound.triangles).toBeLessThanOrEqual(limit);
+    expect(bound.triangles).toBeGreaterThan(0.95 * limit);
+    await shot(page, "several-budget");
+    await page.evaluate(() => window.meshfront.setBudget(Infinity));
+    await expect.poll(async () => (await settled(page)).triangles).toBe(free.triangles);
+    // What the panel counts is what is drawn.
+    await expect(page.locator("#stat-triangles")).toContainText(`${free.triangles.toLocaleString("en")} of `);
+  } finally {
+    several.stop();
+  }
 });

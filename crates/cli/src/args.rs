@@ -247,20 +247,25 @@ pub struct Compare {
     pub json: bool,
 }
 
-/// Open a hierarchy, or a mesh, in the browser
+/// Open hierarchies or meshes in the browser, side by side under one triangle budget
 ///
 /// Serves on this machine alone, until Ctrl-C. A mesh is made into a hierarchy first, which is kept only while it is
-/// looked at.
+/// looked at. Several files are shown where their coordinates say, each turned so that its up is up, unless `--at` says
+/// where.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   meshfront view dragon.front
   meshfront view scan.ply
-  meshfront view dragon.front --port 8080 --no-open")]
+  meshfront view dragon.front --port 8080 --no-open
+  meshfront view hill.front statue.front --at 0,0,0 --at 120,35,-80,0.5     the statue on the hill, half as large")]
 pub struct View {
-    /// A .front file, or a mesh
-    #[arg(value_name = "FILE_OR_SOURCE", value_hint = ValueHint::FilePath)]
-    pub file: PathBuf,
+    /// .front files, or meshes
+    #[arg(value_name = "FILE_OR_SOURCE", value_hint = ValueHint::FilePath, required = true)]
+    pub files: Vec<PathBuf>,
+    /// Where the origin of a file is shown, y being up, and how many times larger: once per file, in their order
+    #[arg(long, value_name = "X,Y,Z[,SCALE]", value_parser = place, allow_hyphen_values = true)]
+    pub at: Vec<Place>,
     /// Port on 127.0.0.1; 0 takes any free one
     #[arg(long, default_value_t = 0)]
     pub port: u16,
@@ -349,6 +354,21 @@ fn number(text: &str) -> Result<f32, String> {
 fn numbers<const N: usize>(text: &str, expected: &str) -> Result<[f32; N], String> {
     let all = text.split(',').map(number).collect::<Result<Vec<f32>, String>>()?;
     all.try_into().map_err(|all: Vec<f32>| format!("{} numbers where {expected} has {N}", all.len()))
+}
+
+/// Where a model is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    pub at: Vec3,
+    pub scale: f32,
+}
+
+fn place(text: &str) -> Result<Place, String> {
+    if text.matches(',').count() == 2 {
+        return Ok(Place { at: point(text)?, scale: 1.0 });
+    }
+    let [x, y, z, scale] = numbers(text, "X,Y,Z,SCALE")?;
+    if scale > 0.0 { Ok(Place { at: Vec3::new(x, y, z), scale }) } else { Err("a scale is above 0".into()) }
 }
 
 fn point(text: &str) -> Result<Vec3, String> {

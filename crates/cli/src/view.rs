@@ -1,4 +1,4 @@
-//! `meshfront view`: the page and the model, served on this machine alone.
+//! `meshfront view`: the page and the models, served on this machine alone.
 
 use std::io::ErrorKind;
 use std::net::{Ipv4Addr, TcpListener};
@@ -17,9 +17,9 @@ use rust_embed::RustEmbed;
 use serde_json::json;
 use tower_http::services::ServeFile;
 
-use crate::args::{Recipe, View};
+use crate::args::{Place, Recipe, View};
 use crate::progress::Phases;
-use crate::{build, input, interrupt, text};
+use crate::{build, input, interrupt, output, text};
 
 /// The page, as `cargo xtask web` made it before this program was built; empty where it did not.
 #[derive(RustEmbed)]
@@ -35,37 +35,42 @@ pub fn run(args: &View, quiet: bool) -> Result<()> {
     }
     // Before anything that takes time: a port that is taken is known at once.
     let listener = bind(args.port)?;
-    let name = args.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    if args.at.len() > args.files.len() {
+        let (places, files) = (args.at.len(), args.files.len());
+        return Err(
+            output::Usage(format!("--at was given {places} times for {files} files: once per file is enough")).into()
+        );
+    }
 
     // Removed when dropped, and when interrupted.
     let mut temporary = None;
-    let front = if input::is_front(&args.file)? {
-        args.file.clone()
-    } else {
-        let folder = tempfile::Builder::new().prefix("meshfront-view-").tempdir().context("no temporary folder")?;
-        interrupt::remove_when_interrupted(folder.path());
-        let front = folder.path().join("model.front");
-        let phases = Phases::new(quiet);
-        let built = build::build(&args.file, &Recipe::PLAIN, &phases)?;
-        interrupt::uninterrupted(|| format::write(&front, &built.stored, &format::WriteOptions::default()))?;
-        phases.finish();
-        if !quiet {
-            let path = args.file.display();
-            eprintln!(
-                "The hierarchy of {path} is kept only while it is looked at; `meshfront build {path} -o …` keeps it."
-            );
-        }
-        temporary = Some(folder);
-        front
-    };
-    let model = describe(&front, &name, args.credit.as_deref());
+    let mut models = vec![];
+    for (i, file) in args.files.iter().enumerate() {
+        let front = if input::is_front(file)? {
+            file.clone()
+        } else {
+            let folder = match &temporary {
+                Some(folder) => folder,
+                None => {
+                    let folder = tempfile::Builder::new().prefix("meshfront-view-").tempdir();
+                    let folder = temporary.insert(folder.context("no temporary folder")?);
+                    interrupt::remove_when_interrupted(folder.path());
+                    folder
+                }
+            };
+            build_in(folder.path(), i, file, quiet)?
+        };
+        models.push(Model { url: url(i), name: file_name(file), front, place: args.at.get(i).copied() });
+    }
+    let card = describe(&models, args.credit.as_deref());
 
     let address = format!("http://{}/", listener.local_addr()?);
     // Whoever reads the address may interrupt from then on.
     interrupt::ends_well();
     text::print(&format!("{address}\n"))?;
     if !quiet {
-        eprintln!("Serving {} on this machine only; Ctrl-C to stop.", args.file.display());
+        let files: Vec<_> = args.files.iter().map(|file| file.display().to_string()).collect();
+        eprintln!("Serving {} on this machine only; Ctrl-C to stop.", files.join(", "));
     }
     if !args.no_open
         && let Err(e) = open::that_detached(&address)
@@ -76,10 +81,42 @@ pub fn run(args: &View, quiet: bool) -> Result<()> {
     runtime.block_on(async {
         listener.set_nonblocking(true)?;
         let listener = tokio::net::TcpListener::from_std(listener)?;
-        axum::serve(listener, router(front, model)).await
+        axum::serve(listener, router(models, card)).await
     })?;
     drop(temporary);
     Ok(())
+}
+
+struct Model {
+    /// Relative to the page.
+    url: String,
+    name: String,
+    front: PathBuf,
+    place: Option<Place>,
+}
+
+fn url(i: usize) -> String {
+    if i == 0 { "model.front".into() } else { format!("model-{}.front", i + 1) }
+}
+
+fn file_name(file: &Path) -> String {
+    file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Builds a hierarchy that is kept only while it is looked at.
+fn build_in(folder: &Path, i: usize, source: &Path, quiet: bool) -> Result<PathBuf> {
+    let front = folder.join(url(i));
+    let phases = Phases::new(quiet);
+    let built = build::build(source, &Recipe::PLAIN, &phases)?;
+    interrupt::uninterrupted(|| format::write(&front, &built.stored, &format::WriteOptions::default()))?;
+    phases.finish();
+    if !quiet {
+        let path = source.display();
+        eprintln!(
+            "The hierarchy of {path} is kept only while it is looked at; `meshfront build {path} -o …` keeps it."
+        );
+    }
+    Ok(front)
 }
 
 fn bind(port: u16) -> Result<TcpListener> {
@@ -95,24 +132,37 @@ fn bind(port: u16) -> Result<TcpListener> {
 }
 
 /// What the page asks for first. The page itself tells of a damaged file.
-fn describe(front: &Path, name: &str, credit: Option<&str>) -> serde_json::Value {
-    let mut model = json!({ "name": name, "url": "model.front" });
-    if let Ok(info) = format::inspect_file(front) {
-        model["source"] = json!({ "vertices": info.source_vertices, "triangles": info.source_triangles });
-    }
+fn describe(models: &[Model], credit: Option<&str>) -> serde_json::Value {
+    let names: Vec<&str> = models.iter().map(|model| &*model.name).collect();
+    let cards: Vec<_> = models
+        .iter()
+        .map(|model| {
+            let mut card = json!({ "name": model.name, "url": model.url });
+            if let Ok(info) = format::inspect_file(&model.front) {
+                card["source"] = json!({ "vertices": info.source_vertices, "triangles": info.source_triangles });
+            }
+            if let Some(Place { at, scale }) = model.place {
+                card["at"] = at.to_array().into();
+                card["scale"] = scale.into();
+            }
+            card
+        })
+        .collect();
+    let mut card = json!({ "name": names.join(", "), "models": cards });
     if let Some(credit) = credit {
-        model["credit"] = credit.into();
+        card["credit"] = credit.into();
     }
-    model
+    card
 }
 
-fn router(front: PathBuf, model: serde_json::Value) -> Router {
-    let model = model.to_string();
-    Router::new()
-        .route("/model.json", get(|| async { ([(header::CONTENT_TYPE, "application/json")], model) }))
-        .route_service("/model.front", ServeFile::new(front))
-        .fallback(page)
-        .layer(middleware::from_fn(guard))
+fn router(models: Vec<Model>, card: serde_json::Value) -> Router {
+    let card = card.to_string();
+    let mut router =
+        Router::new().route("/model.json", get(|| async { ([(header::CONTENT_TYPE, "application/json")], card) }));
+    for model in models {
+        router = router.route_service(&format!("/{}", model.url), ServeFile::new(model.front));
+    }
+    router.fallback(page).layer(middleware::from_fn(guard))
 }
 
 /// A file of the page.

@@ -446,9 +446,10 @@ fn view_serves_the_page_and_the_model() {
 
     let (head, body) = viewer.get("/model.json", &host);
     assert!(head.contains("application/json"), "{head}");
-    let model: Value = serde_json::from_slice(&body).unwrap();
+    let card: Value = serde_json::from_slice(&body).unwrap();
+    let model = &card["models"][0];
     assert_eq!(
-        (&model["name"], &model["credit"], &model["url"]),
+        (&card["name"], &card["credit"], &model["url"]),
         (&"scan.front".into(), &"Nobody".into(), &"model.front".into())
     );
     assert_eq!(model["source"]["triangles"], triangles(&bench, "scan.ply"));
@@ -474,6 +475,25 @@ fn view_serves_the_page_and_the_model() {
 }
 
 #[cfg(unix)]
+#[test]
+fn view_of_several_says_where_they_are() {
+    let bench = Bench::with_scan(1_500);
+    let call = "view scan.front scan.ply --no-open --at 0,0,0 --at -3,0.5,0,2";
+    let Some(viewer) = Viewer::start(&bench, call) else { return };
+    let host = format!("Host: {}\r\n", viewer.address);
+    let card: Value = serde_json::from_slice(&viewer.get("/model.json", &host).1).unwrap();
+    assert_eq!(card["name"], "scan.front, scan.ply");
+    let second = &card["models"][1];
+    assert_eq!((&second["at"], &second["scale"]), (&serde_json::json!([-3.0, 0.5, 0.0]), &serde_json::json!(2.0)));
+    for model in card["models"].as_array().unwrap() {
+        let (head, body) = viewer.get(&format!("/{}", model["url"].as_str().unwrap()), &host);
+        assert!(head.starts_with("http/1.1 200") && body.len() > 1000, "{head}");
+    }
+    bench.run("view scan.front --no-open --at 0,0,0 --at 1,1,1").failed(2, &["--at", "2 times for 1 file"]);
+    bench.run("view scan.front --no-open --at 1,1").failed(2, &["X,Y,Z"]);
+    bench.run("view scan.front --no-open --at 1,1,1,0").failed(2, &["scale"]);
+}
+
 #[test]
 fn view_of_a_mesh_builds_first_and_cleans_up() {
     let bench = Bench::new();

@@ -8,6 +8,7 @@
 //! META, BASE, BNRM, BCOL and UTAB are those of `edge_collapse`. A page has all there is of its updates. A vertex is coded as its
 //! difference from the vertex that made the cell which its polygon is found from: that one is near.
 
+#[cfg(feature = "write")]
 use glam::Vec3;
 use meshfront_hierarchies::edge_collapse::Oct;
 use meshfront_hierarchies::vertex_removal::{Columns, Patch, Triangulation};
@@ -17,7 +18,9 @@ use crate::container::Section;
 use crate::container::{Codec, Part, assemble, checksum};
 use crate::edge_collapse::attributes::Attribute;
 use crate::edge_collapse::lattice::Lattice;
-use crate::edge_collapse::{self as shared, Meta, Opened, PAGE_UPDATES};
+use crate::edge_collapse::{self as shared, Opened};
+#[cfg(feature = "write")]
+use crate::edge_collapse::{Meta, PAGE_UPDATES};
 use crate::error::{Fault, ReadError};
 use crate::info::{ColumnInfo, Info, PageInfo};
 use crate::parallel::map_all;

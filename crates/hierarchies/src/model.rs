@@ -6,7 +6,9 @@ use crate::{EdgeCollapse, RightTriangles, VertexRemoval, edge_collapse, right_tr
 use glam::Vec3;
 use meshfront_mesh::Bounds;
 use meshfront_refine::criteria::View;
-use meshfront_refine::{AnyFront, MultiTessellation, Outcome, Owned, Request, UpdateId};
+use meshfront_refine::{
+    AnyFront, Member, MultiTessellation, Outcome, Owned, Request, UpdateId, Viewed, adapt_together,
+};
 use std::sync::Arc;
 
 /// The models, by the name that they have everywhere.
@@ -215,8 +217,14 @@ pub trait AnySurface: AnyFront {
     fn buffers_mut(&mut self) -> &mut TriangleBuffers;
     /// Memory of the front, bytes: its mesh and the engine's part.
     fn memory_bytes(&self) -> usize;
-    /// As [`AnyFront::adapt`], for the criterion of a camera: compiled for it, without a virtual call per decision.
-    fn adapt_to_view(&mut self, view: &View, request: &Request) -> Outcome;
+    /// As [`AnyFront::viewed_as`], for the criterion of a camera: compiled for it, without a virtual call per decision.
+    fn viewed<'a>(&'a mut self, view: &'a View) -> Box<dyn Member + 'a>;
+    /// As [`AnyFront::adapt`], for the criterion of a camera.
+    fn adapt_to_view(&mut self, view: &View, request: &Request) -> Outcome {
+        let mut me = self.viewed(view);
+        adapt_together(&mut [&mut *me], request);
+        me.outcome()
+    }
     /// Another front of the same hierarchy, at the base mesh.
     fn another(&self) -> Box<dyn AnySurface>;
     /// Which model it is.
@@ -245,8 +253,8 @@ impl<H: TriangleModel + 'static> AnySurface for Owned<H> {
     fn memory_bytes(&self) -> usize {
         self.front.memory() + self.front.mesh().memory_bytes()
     }
-    fn adapt_to_view(&mut self, view: &View, request: &Request) -> Outcome {
-        self.front.adapt(&self.hierarchy, view, request)
+    fn viewed<'a>(&'a mut self, view: &'a View) -> Box<dyn Member + 'a> {
+        Box::new(Viewed::new(&mut self.front, &*self.hierarchy, view))
     }
     fn another(&self) -> Box<dyn AnySurface> {
         Box::new(Owned::new(self.hierarchy.clone()))

@@ -39,6 +39,6 @@ pub use meshfront_hierarchies::{
 };
 pub use meshfront_mesh::{HeightField, TriangleMesh};
 pub use meshfront_refine::criteria::Uniform;
-pub use meshfront_refine::{Camera, Front, Outcome, Request, Step, ViewOptions, view};
+pub use meshfront_refine::{Camera, Front, Outcome, Request, Step, ViewOptions, Viewed, adapt_together, view};
 #[cfg(feature = "simplify")]
 pub use meshfront_simplify::{EdgeCollapseOptions, RightTrianglesOptions, edge_collapse, right_triangles};

@@ -1,12 +1,14 @@
 //! The object-safe face of a front, for viewers, Python and WebAssembly: one virtual call per frame.
 
-use crate::{Criterion, Front, MultiTessellation, Outcome, Request, Step};
+use crate::{Criterion, Front, Member, MultiTessellation, Outcome, Request, Step, Viewed};
 use std::sync::Arc;
 
 /// A front whose model is not known at compile time. See [`Front`] for what the methods do.
 pub trait AnyFront {
     /// [`Front::adapt`].
     fn adapt(&mut self, c: &dyn Criterion, r: &Request) -> Outcome;
+    /// As one of several fronts that share their limits: see [`adapt_together`](crate::adapt_together).
+    fn viewed_as<'a>(&'a mut self, c: &'a dyn Criterion) -> Box<dyn Member + 'a>;
     /// [`Front::top_down`].
     fn top_down(&mut self, c: &dyn Criterion, r: &Request) -> Outcome;
     /// [`Front::interruptible`].
@@ -44,6 +46,9 @@ impl<H: MultiTessellation> Owned<H> {
 impl<H: MultiTessellation> AnyFront for Owned<H> {
     fn adapt(&mut self, c: &dyn Criterion, r: &Request) -> Outcome {
         self.front.adapt(&self.hierarchy, c, r)
+    }
+    fn viewed_as<'a>(&'a mut self, c: &'a dyn Criterion) -> Box<dyn Member + 'a> {
+        Box::new(Viewed::new(&mut self.front, &*self.hierarchy, c))
     }
     fn top_down(&mut self, c: &dyn Criterion, r: &Request) -> Outcome {
         self.front.top_down(&self.hierarchy, c, r)

@@ -1,4 +1,4 @@
-//! The engine as WebAssembly: one opened `.front` file with one front. A thin shell; `web/core` wraps it for
+//! The engine as WebAssembly: opened `.front` files with one front each. A thin shell; `web/core` wraps it for
 //! TypeScript and runs it in a worker.
 //!
 //! All points and lengths are in mesh space and mesh units, angles in radians, times in microseconds.
@@ -10,8 +10,8 @@ use glam::Vec3;
 use meshfront_format::ReadError;
 use meshfront_hierarchies::live::TriangleBuffers;
 use meshfront_hierarchies::{AnySurface, Hierarchy};
-use meshfront_refine::criteria::{Region, Scale, Shape, Uniform};
-use meshfront_refine::{Camera, Outcome, Request, ViewOptions, view};
+use meshfront_refine::criteria::{Region, Scale, Shape, Uniform, View};
+use meshfront_refine::{Camera, Criterion, Member, Outcome, Request, ViewOptions, adapt_together, view};
 use wasm_bindgen::prelude::*;
 
 use fly_by::FlyBy;
@@ -38,132 +38,175 @@ fn clock_us() -> u64 {
     (now() * 1000.0) as u64
 }
 
-/// An opened file with one front.
+/// Opened files with one front each, that share a budget and a deadline.
 #[wasm_bindgen]
-pub struct Model {
+#[derive(Default)]
+pub struct Session {
+    /// By number; closed ones leave a hole.
+    models: Vec<Option<Model>>,
+    /// Time in the engine of the last call, milliseconds.
+    engine_ms: f64,
+}
+
+struct Model {
     front: Box<dyn AnySurface>,
     /// Everything is to be uploaded: nothing was so far.
     fresh: bool,
+    /// Where it is to be looked at from in the next call.
+    look: Option<Look>,
+    outcome: Outcome,
+}
+
+struct Look {
+    view: View,
+    /// Shape, and the error that is allowed outside of it.
+    region: Option<(Shape, f32)>,
+    tolerance_px: f32,
 }
 
 #[wasm_bindgen]
-impl Model {
-    /// Reads the bytes of a `.front` file.
+impl Session {
+    /// Without any model.
+    #[wasm_bindgen(constructor)]
+    pub fn new() -> Session {
+        Session::default()
+    }
+
+    /// Reads the bytes of a `.front` file; gives the model's number.
     ///
     /// # Errors
     /// A JavaScript `Error` whose `name` is the kind (`not-front`, `too-new`, `damaged`) and whose message says what
     /// is wrong where, beginning with `name`.
-    #[wasm_bindgen(constructor)]
-    pub fn new(bytes: &[u8], name: &str) -> Result<Model, js_sys::Error> {
+    pub fn open(&mut self, bytes: &[u8], name: &str) -> Result<usize, js_sys::Error> {
         let hierarchy = read(bytes).map_err(|error| {
             let js = js_sys::Error::new(&format!("{name}{}", what(&error)));
             js.set_name(kind(&error));
             js
         })?;
-        Ok(Model { front: hierarchy.into_front(), fresh: true })
+        let model = Model { front: hierarchy.into_front(), fresh: true, look: None, outcome: Outcome::default() };
+        self.models.push(Some(model));
+        Ok(self.models.len() - 1)
     }
 
-    /// Number of updates.
-    #[wasm_bindgen(getter)]
-    pub fn updates(&self) -> u32 {
-        self.front.updates() as u32
-    }
-    /// Vertices of the source, after cleaning.
-    #[wasm_bindgen(getter, js_name = sourceVertices)]
-    pub fn source_vertices(&self) -> u32 {
-        self.front.source().vertices
-    }
-    /// Triangles of the source, after cleaning.
-    #[wasm_bindgen(getter, js_name = sourceTriangles)]
-    pub fn source_triangles(&self) -> u32 {
-        self.front.source().triangles
-    }
-    /// Triangles of the base mesh.
-    #[wasm_bindgen(getter, js_name = baseTriangles)]
-    pub fn base_triangles(&self) -> u32 {
-        self.front.base_triangles() as u32
-    }
-    /// Least and greatest corner of the box of all vertices of all levels: six numbers.
-    #[wasm_bindgen(getter)]
-    pub fn bounds(&self) -> Vec<f32> {
-        let bounds = self.front.bounds();
-        [bounds.min.to_array(), bounds.max.to_array()].concat()
-    }
-    /// The error that is left with every update applied.
-    #[wasm_bindgen(getter, js_name = floorError)]
-    pub fn floor_error(&self) -> f32 {
-        self.front.floor_error()
-    }
-    /// Which way is up: a unit vector.
-    #[wasm_bindgen(getter)]
-    pub fn up(&self) -> Vec<f32> {
-        self.front.up().to_array().to_vec()
-    }
-    /// Whether there are colours.
-    #[wasm_bindgen(getter, js_name = hasColors)]
-    pub fn has_colors(&self) -> bool {
-        self.front.has_colors()
+    /// Forgets a model. Its number is not given again.
+    pub fn close(&mut self, model: usize) {
+        if let Some(model) = self.models.get_mut(model) {
+            *model = None;
+        }
     }
 
-    /// Adapts the front to a view.
+    /// Numbers of a model.
     ///
-    /// - `camera`: eye, target, up (3 numbers each), vertical field of view, width and height in pixels, near plane;
-    /// - `max_triangles`: `u32::MAX` for no limit;
+    /// # Errors
+    /// A `RangeError` where no such model is open.
+    pub fn info(&self, model: usize) -> Result<ModelInfo, js_sys::RangeError> {
+        let front = &self.models.get(model).and_then(Option::as_ref).ok_or_else(not_open)?.front;
+        let (bounds, source) = (front.bounds(), front.source());
+        Ok(ModelInfo {
+            updates: front.updates() as u32,
+            source_vertices: source.vertices,
+            source_triangles: source.triangles,
+            base_triangles: front.base_triangles() as u32,
+            bounds: [bounds.min.to_array(), bounds.max.to_array()].concat(),
+            floor_error: front.floor_error(),
+            up: front.up().to_array().to_vec(),
+            has_colors: front.has_colors(),
+        })
+    }
+
+    /// Says where a model is to be looked at from in the next `adapt`.
+    ///
+    /// - `camera`, in the model's own space: eye, target, up (3 numbers each), vertical field of view, width and height in pixels,
+    ///   near plane;
     /// - `region`: empty, or a sphere (centre, radius) or a box (least, greatest corner) and then the error that is
     ///   allowed outside of it: 5 or 7 numbers.
     ///
     /// # Errors
-    /// A `RangeError` where `camera` or `region` has another length.
-    pub fn adapt(
+    /// A `RangeError` where `camera` or `region` has another length, or no such model is open.
+    pub fn look(
         &mut self,
+        model: usize,
         camera: &[f32],
         tolerance_px: f32,
-        max_triangles: u32,
-        deadline_us: u32,
         frustum: bool,
         orientation: bool,
         region: &[f32],
-    ) -> Result<Frame, js_sys::RangeError> {
+    ) -> Result<(), js_sys::RangeError> {
+        let model = self.model(model)?;
         let camera = camera_of(camera).ok_or_else(|| js_sys::RangeError::new("a camera has 13 numbers"))?;
-        let inside = view(&camera, ViewOptions { frustum, orientation, outside: None });
+        let region = match *region {
+            [] => None,
+            [x, y, z, radius, error] => Some((Shape::Sphere { center: Vec3::new(x, y, z), radius }, error)),
+            [x0, y0, z0, x1, y1, z1, error] => {
+                Some((Shape::Box { min: Vec3::new(x0, y0, z0), max: Vec3::new(x1, y1, z1) }, error))
+            }
+            _ => return Err(js_sys::RangeError::new("a region has 5 or 7 numbers")),
+        };
+        let view = view(&camera, ViewOptions { frustum, orientation, outside: None });
         // A tolerance of 0 would leave no unit to measure the outside of a region in.
-        let tolerance = tolerance_px.max(LEAST_TOLERANCE_PX);
+        model.look = Some(Look { view, region, tolerance_px: tolerance_px.max(LEAST_TOLERANCE_PX) });
+        Ok(())
+    }
+
+    /// Adapts the fronts of all models that `look` was called for since the last call, what is worst in any of them
+    /// first. `max_triangles` (`u32::MAX` for no limit) is for all models together, those included that stay as they
+    /// are. Then ask for the `frame` of each.
+    pub fn adapt(&mut self, max_triangles: u32, deadline_us: u32) {
+        let looks: Vec<Option<Look>> =
+            self.models.iter_mut().map(|model| model.as_mut().and_then(|model| model.look.take())).collect();
+        // One tolerance for all: where a model has a larger one, its pixels count for less.
+        let tolerance = looks.iter().flatten().map(|look| look.tolerance_px).fold(f32::INFINITY, f32::min);
+        let lasting = self.models.iter().zip(&looks).filter(|(_, look)| look.is_none());
+        let lasting: usize = lasting.filter_map(|(model, _)| model.as_ref()).map(|model| model.front.cells()).sum();
         let request = Request {
             tolerance,
-            max_cells: (max_triangles != u32::MAX).then_some(max_triangles as usize),
+            max_cells: (max_triangles != u32::MAX).then(|| (max_triangles as usize).saturating_sub(lasting)),
             deadline_us: Some(deadline_us),
             clock: clock_us,
         };
-        let shape = match *region {
-            [] => None,
-            [x, y, z, radius, _] => Some(Shape::Sphere { center: Vec3::new(x, y, z), radius }),
-            [x0, y0, z0, x1, y1, z1, _] => Some(Shape::Box { min: Vec3::new(x0, y0, z0), max: Vec3::new(x1, y1, z1) }),
-            _ => return Err(js_sys::RangeError::new("a region has 5 or 7 numbers")),
-        };
-        let front = &mut self.front;
+        let criteria: Vec<Option<Box<dyn Criterion>>> =
+            looks.iter().map(|look| look.as_ref().and_then(|look| look.composed(tolerance))).collect();
+
         let start = now();
-        let outcome = match (shape, region.last()) {
-            (Some(shape), Some(&error)) => {
-                // In units of the tolerance, so that one threshold serves both sides.
-                let outside = Scale { inner: Uniform, factor: tolerance / error.max(f32::MIN_POSITIVE) };
-                front.adapt(&Region { shape, inside, outside }, &request)
+        let mut members: Vec<Box<dyn Member>> = vec![];
+        let mut outcomes = vec![];
+        for ((model, look), criterion) in self.models.iter_mut().zip(&looks).zip(&criteria) {
+            if let (Some(Model { front, outcome, .. }), Some(look)) = (model, look) {
+                members.push(match criterion {
+                    Some(criterion) => front.viewed_as(&**criterion),
+                    None => front.viewed(&look.view),
+                });
+                outcomes.push((outcome, look.factor(tolerance)));
             }
-            _ => front.adapt_to_view(&inside, &request),
-        };
-        Ok(self.frame(outcome, now() - start))
+        }
+        let mut together: Vec<&mut dyn Member> = members.iter_mut().map(|member| &mut **member as _).collect();
+        adapt_together(&mut together, &request);
+        for (member, (outcome, factor)) in together.iter().zip(outcomes) {
+            *outcome = member.outcome();
+            outcome.error_px /= factor;
+        }
+        self.engine_ms = now() - start;
     }
 
-    /// Flies once around the model with a front of its own, at one pixel without limits; see [`FlyBy`].
+    /// Flies once around a model with a front of its own, at one pixel without limits; see [`FlyBy`].
+    ///
+    /// # Errors
+    /// A `RangeError` where no such model is open.
     #[wasm_bindgen(js_name = flyBy)]
-    pub fn fly_by(&self) -> FlyBy {
-        fly_by::run(&*self.front, now)
+    pub fn fly_by(&mut self, model: usize) -> Result<FlyBy, js_sys::RangeError> {
+        Ok(fly_by::run(&*self.model(model)?.front, now))
     }
 
-    /// Gathers what changed, and forgets it.
-    fn frame(&mut self, outcome: Outcome, engine_ms: f64) -> Frame {
+    /// Gathers what changed in a model since it was last asked, and forgets it.
+    ///
+    /// # Errors
+    /// A `RangeError` where no such model is open.
+    pub fn frame(&mut self, model: usize) -> Result<Frame, js_sys::RangeError> {
+        let engine_ms = self.engine_ms;
+        let model = self.model(model)?;
         let start = now();
-        let buffers = self.front.buffers_mut();
-        let (vertex_ranges, triangle_ranges) = if std::mem::take(&mut self.fresh) {
+        let buffers = model.front.buffers_mut();
+        let (vertex_ranges, triangle_ranges) = if std::mem::take(&mut model.fresh) {
             (vec![0, buffers.positions.len() as u32], vec![0, buffers.triangles.len() as u32])
         } else {
             (
@@ -173,7 +216,7 @@ impl Model {
         };
         buffers.clear_changes();
         let TriangleBuffers { positions, normals, colors, levels, triangles, .. } = buffers;
-        Frame {
+        Ok(Frame {
             vertex_slots: positions.len() as u32,
             triangle_slots: triangles.len() as u32,
             positions: gather(bytemuck::cast_slice::<Vec3, [f32; 3]>(positions), &vertex_ranges),
@@ -183,11 +226,65 @@ impl Model {
             corners: gather(triangles, &triangle_ranges),
             vertex_ranges,
             triangle_ranges,
-            outcome,
+            outcome: model.outcome,
             engine_ms,
             gather_ms: now() - start,
-        }
+        })
     }
+
+    fn model(&mut self, model: usize) -> Result<&mut Model, js_sys::RangeError> {
+        self.models.get_mut(model).and_then(Option::as_mut).ok_or_else(not_open)
+    }
+}
+
+fn not_open() -> js_sys::RangeError {
+    js_sys::RangeError::new("no such model is open")
+}
+
+impl Look {
+    /// What its pixels are multiplied with, where the common tolerance is this one.
+    fn factor(&self, tolerance: f32) -> f32 {
+        tolerance / self.tolerance_px
+    }
+    /// The criterion, where it is more than that of the camera.
+    fn composed(&self, tolerance: f32) -> Option<Box<dyn Criterion>> {
+        let (inside, factor) = (self.view, self.factor(tolerance));
+        Some(match self.region {
+            Some((shape, error)) => {
+                // In units of the tolerance, so that one threshold serves both sides.
+                let outside = Scale { inner: Uniform, factor: self.tolerance_px / error.max(f32::MIN_POSITIVE) };
+                Box::new(Scale { inner: Region { shape, inside, outside }, factor })
+            }
+            None if factor != 1.0 => Box::new(Scale { inner: inside, factor }),
+            None => return None,
+        })
+    }
+}
+
+/// Numbers of an opened model. Points and lengths in mesh units.
+#[wasm_bindgen(getter_with_clone)]
+pub struct ModelInfo {
+    /// Number of updates.
+    pub updates: u32,
+    /// Vertices of the source, after cleaning.
+    #[wasm_bindgen(js_name = sourceVertices)]
+    pub source_vertices: u32,
+    /// Triangles of the source, after cleaning.
+    #[wasm_bindgen(js_name = sourceTriangles)]
+    pub source_triangles: u32,
+    /// Triangles of the base mesh.
+    #[wasm_bindgen(js_name = baseTriangles)]
+    pub base_triangles: u32,
+    /// Least and greatest corner of the box of all vertices of all levels: six numbers.
+    pub bounds: Vec<f32>,
+    /// The error that is left with every update applied.
+    #[wasm_bindgen(js_name = floorError)]
+    pub floor_error: f32,
+    /// Which way is up: a unit vector.
+    pub up: Vec<f32>,
+    /// Whether there are colours.
+    #[wasm_bindgen(js_name = hasColors)]
+    pub has_colors: bool,
 }
 
 /// What one call did: counters, and copies of the slots that changed. Columns are taken once and leave nothing

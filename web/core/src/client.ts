@@ -1,7 +1,7 @@
 import { MeshfrontError } from "./errors.js";
 import type { Progress } from "./fetch.js";
-import type { Port, Reply, Request } from "./protocol.js";
-import type { FlyByReport, FrameUpdate, ModelInfo, View } from "./view.js";
+import type { Answer, ModelView, Port, Question, Reply, Request } from "./protocol.js";
+import type { FlyByReport, FrameUpdate, Limits, ModelInfo } from "./view.js";
 
 /** The page's end of the line to a worker. */
 export interface WorkerPort extends Port<Request, Reply> {
@@ -17,37 +17,43 @@ export interface OpenOptions {
   onProgress?: Progress;
   /** Gives up: `open` rejects with kind `closed`. */
   signal?: AbortSignal;
-  /** Starts the worker; by default the one of this package. */
-  startWorker?: () => WorkerPort;
+}
+
+/** An opened model with one front. */
+export interface ClientModel {
+  /** What `adapt` calls it. */
+  readonly model: number;
+  /** Numbers of it. */
+  readonly info: ModelInfo;
 }
 
 interface Waiting {
-  resolve(reply: Reply): void;
+  resolve(answer: Answer): void;
   reject(error: MeshfrontError): void;
+  onProgress: Progress | undefined;
 }
 
-interface PendingView {
-  view: View;
-  resolve(frame: FrameUpdate | undefined): void;
+interface Pending {
+  views: ModelView[];
+  limits: Limits;
+  resolve(frames: FrameUpdate[] | undefined): void;
   reject(error: MeshfrontError): void;
 }
 
 /**
- * One model and one front, in a worker of its own.
+ * A worker with models that share a triangle budget and a deadline.
  *
- * At most one view is on its way at a time. Views that come meanwhile wait, and only the last of them is asked for:
+ * At most one `adapt` is on its way at a time. Those that come meanwhile wait, and only the last of them is asked for:
  * the worker never works off a queue of views that nobody looks from any more.
  */
 export class MeshfrontClient {
-  /** Numbers of the model. */
-  readonly info: ModelInfo;
   private readonly line: Line;
   private busy = false;
-  private pending: PendingView | undefined;
+  private pending: Pending | undefined;
 
-  private constructor(line: Line, info: ModelInfo) {
-    this.line = line;
-    this.info = info;
+  /** @param start starts the worker; by default the one of this package */
+  constructor(start: () => WorkerPort = startWorker) {
+    this.line = new Line(start());
   }
 
   /**
@@ -56,48 +62,52 @@ export class MeshfrontClient {
    *
    * @throws MeshfrontError of every kind
    */
-  static async open(source: string | URL | ArrayBuffer, options: OpenOptions = {}): Promise<MeshfrontClient> {
-    const line = new Line((options.startWorker ?? startWorker)(), options.onProgress);
-    const giveUp = () => line.close();
-    if (options.signal?.aborted) giveUp();
-    options.signal?.addEventListener("abort", giveUp, { once: true });
-    try {
-      const name = options.name ?? (source instanceof ArrayBuffer ? "the file" : String(source).split("/").pop()!);
-      const reply =
-        source instanceof ArrayBuffer
-          ? await line.ask({ type: "open", source, name }, [source])
-          : await line.ask({ type: "open", source: new URL(source, document.baseURI).href, name });
-      if (reply.type !== "opened") throw unexpected(reply);
-      return new MeshfrontClient(line, reply.info);
-    } catch (thrown) {
-      line.close();
-      throw MeshfrontError.from(thrown);
-    } finally {
-      options.signal?.removeEventListener("abort", giveUp);
-    }
+  async open(source: string | URL | ArrayBuffer, options: OpenOptions = {}): Promise<ClientModel> {
+    const { onProgress, signal } = options;
+    const closed = () => new MeshfrontError("closed", "the model was closed");
+    if (signal?.aborted) throw closed();
+    const name = options.name ?? (source instanceof ArrayBuffer ? "the file" : String(source).split("/").pop()!);
+    const answer =
+      source instanceof ArrayBuffer
+        ? this.line.ask({ type: "open", source, name }, [source], onProgress)
+        : this.line.ask({ type: "open", source: new URL(source, document.baseURI).href, name }, [], onProgress);
+    const opened = answer.then((answer) => expected(answer, "opened"));
+    if (!signal) return opened;
+    return new Promise((resolve, reject) => {
+      signal.addEventListener("abort", () => reject(closed()), { once: true });
+      opened.then((model) => {
+        // Nobody waits for it any more.
+        if (signal.aborted) this.close(model.model);
+        else resolve(model);
+      }, reject);
+    });
   }
 
   /**
-   * Adapts the front to a view, within its deadline. Resolves with what changed, or with `undefined` where a later
+   * Adapts fronts to views, within limits that hold for all models together: what is worst in any of them comes first. Models without a view
+   * stay as they are. Resolves with what changed, in the order of the views, or with `undefined` where a later
    * call overtook this one. As long as `stats.settled` is false, ask again.
    *
    * Every update must be applied, in order: each holds only what changed since the one before.
    *
    * @throws MeshfrontError of kind `closed` or `engine`
    */
-  adapt(view: View): Promise<FrameUpdate | undefined> {
+  adapt(views: ModelView[], limits: Limits): Promise<FrameUpdate[] | undefined> {
     return new Promise((resolve, reject) => {
       this.pending?.resolve(undefined);
-      this.pending = { view, resolve, reject };
+      this.pending = { views, limits, resolve, reject };
       if (!this.busy) void this.next();
     });
   }
 
-  /** Flies once around the model inside the worker; the front starts and ends as it was. Takes seconds. */
-  async flyBy(): Promise<FlyByReport> {
-    const reply = await this.line.ask({ type: "fly-by" });
-    if (reply.type !== "flown") throw unexpected(reply);
-    return reply.report;
+  /** Flies once around a model inside the worker; its front starts and ends as it was. Takes seconds. */
+  async flyBy(model: number): Promise<FlyByReport> {
+    return expected(await this.line.ask({ type: "fly-by", model }), "flown").report;
+  }
+
+  /** Forgets a model. */
+  close(model: number): void {
+    this.line.ask({ type: "close", model }).catch(() => {});
   }
 
   /** Ends the worker. What is on its way is rejected with kind `closed`. */
@@ -110,10 +120,9 @@ export class MeshfrontClient {
       this.pending = undefined;
       this.busy = true;
       try {
-        const reply = await this.line.ask({ type: "adapt", view: job.view });
-        if (reply.type !== "adapted") throw unexpected(reply);
+        const answer = await this.line.ask({ type: "adapt", views: job.views, limits: job.limits });
         this.busy = false;
-        job.resolve(reply.frame);
+        job.resolve(expected(answer, "adapted").frames);
       } catch (thrown) {
         this.busy = false;
         job.reject(MeshfrontError.from(thrown));
@@ -122,25 +131,32 @@ export class MeshfrontClient {
   }
 }
 
-/** Requests and replies, paired by their order. */
+/** Requests and answers, paired by their numbers. */
 class Line {
-  private readonly waiting: Waiting[] = [];
+  private readonly waiting = new Map<number, Waiting>();
+  private asked = 0;
   private closed: MeshfrontError | undefined;
 
-  constructor(private readonly worker: WorkerPort, onProgress: Progress | undefined) {
+  constructor(private readonly worker: WorkerPort) {
     worker.onmessage = ({ data: reply }) => {
-      if (reply.type === "progress") onProgress?.(reply.loaded, reply.total);
-      else if (reply.type === "failed") this.waiting.shift()?.reject(new MeshfrontError(reply.kind, reply.message));
-      else this.waiting.shift()?.resolve(reply);
+      const waiting = this.waiting.get(reply.id);
+      if (reply.type === "progress") {
+        waiting?.onProgress?.(reply.loaded, reply.total);
+        return;
+      }
+      this.waiting.delete(reply.id);
+      if (reply.type === "failed") waiting?.reject(new MeshfrontError(reply.kind, reply.message));
+      else waiting?.resolve(reply);
     };
     worker.onerror = (event) => this.close(new MeshfrontError("engine", event.message || "the worker did not start"));
   }
 
-  ask(request: Request, transfer: Transferable[] = []): Promise<Reply> {
+  ask(question: Question, transfer: Transferable[] = [], onProgress?: Progress): Promise<Answer> {
     if (this.closed) return Promise.reject(this.closed);
+    const id = this.asked++;
     return new Promise((resolve, reject) => {
-      this.waiting.push({ resolve, reject });
-      this.worker.postMessage(request, transfer);
+      this.waiting.set(id, { resolve, reject, onProgress });
+      this.worker.postMessage({ id, ...question }, transfer);
     });
   }
 
@@ -149,12 +165,14 @@ class Line {
     this.closed = why;
     this.worker.onmessage = null;
     this.worker.terminate?.();
-    for (const { reject } of this.waiting.splice(0)) reject(why);
+    for (const { reject } of this.waiting.values()) reject(why);
+    this.waiting.clear();
   }
 }
 
-function unexpected(reply: Reply): MeshfrontError {
-  return new MeshfrontError("engine", `the worker answered with an unexpected "${reply.type}"`);
+function expected<T extends Answer["type"]>(answer: Answer, type: T): Extract<Answer, { type: T }> {
+  if (answer.type === type) return answer as Extract<Answer, { type: T }>;
+  throw new MeshfrontError("engine", `the worker answered with an unexpected "${answer.type}"`);
 }
 
 function startWorker(): WorkerPort {

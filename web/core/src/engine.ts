@@ -1,43 +1,53 @@
 /** The engine: a thin wrapper around the WebAssembly module, in the words of `view.ts`. */
 
-import init, { Model } from "../wasm/meshfront_wasm.js";
+import init, { Session } from "../wasm/meshfront_wasm.js";
 import type { Engine } from "./host.js";
-import type { FlyByReport, FrameUpdate, ModelInfo, Region, View } from "./view.js";
+import type { ModelView } from "./protocol.js";
+import type { FlyByReport, FrameUpdate, ModelInfo, Region } from "./view.js";
 
 const NO_LIMIT = 0xffffffff;
 
-/** Starts WebAssembly (once) and reads a `.front` file; `module` is where the module's bytes are, if not beside this file. */
-export async function loadEngine(bytes: Uint8Array, name: string, module?: BufferSource): Promise<Engine> {
+/** Starts WebAssembly (once); `module` is where the module's bytes are, if not beside this file. */
+export async function startEngine(module?: BufferSource): Promise<Engine> {
   await init({ module_or_path: module ?? new URL("../wasm/meshfront_wasm_bg.wasm", import.meta.url) });
-  const start = performance.now();
-  const model = new Model(bytes, name);
-  const decodeMs = performance.now() - start;
-  return { info: infoOf(model, bytes.length, decodeMs), adapt: (view) => adapt(model, view), flyBy: () => flyBy(model) };
-}
-
-function infoOf(model: Model, bytes: number, decodeMs: number): ModelInfo {
-  const [x0, y0, z0, x1, y1, z1] = model.bounds as unknown as [number, number, number, number, number, number];
-  const { updates, sourceVertices, sourceTriangles, baseTriangles, floorError, hasColors } = model;
+  const session = new Session();
   return {
-    updates, sourceVertices, sourceTriangles, baseTriangles, floorError, hasColors, bytes, decodeMs,
-    min: [x0, y0, z0],
-    max: [x1, y1, z1],
-    up: [...model.up] as unknown as ModelInfo["up"],
+    open(bytes, name) {
+      const start = performance.now();
+      const model = session.open(bytes, name);
+      return { model, info: infoOf(session, model, bytes.length, performance.now() - start) };
+    },
+    adapt(views, { maxTriangles, deadlineMs }) {
+      for (const view of views) look(session, view);
+      session.adapt(Math.min(maxTriangles, NO_LIMIT), Math.round(Math.min(1000 * deadlineMs, NO_LIMIT)));
+      return views.map(({ model }) => frameOf(session, model));
+    },
+    flyBy: (model) => flyBy(session, model),
+    close: (model) => session.close(model),
   };
 }
 
-function adapt(model: Model, view: View): FrameUpdate {
-  const { eye, target, up, fovY, width, height, near } = view;
+function infoOf(session: Session, model: number, bytes: number, decodeMs: number): ModelInfo {
+  const info = session.info(model);
+  const [x0, y0, z0, x1, y1, z1] = info.bounds as unknown as [number, number, number, number, number, number];
+  const up = [...info.up] as unknown as ModelInfo["up"];
+  const { updates, sourceVertices, sourceTriangles, baseTriangles, floorError, hasColors } = info;
+  info.free();
+  return {
+    updates, sourceVertices, sourceTriangles, baseTriangles, floorError, hasColors, bytes, decodeMs, up,
+    min: [x0, y0, z0],
+    max: [x1, y1, z1],
+  };
+}
+
+function look(session: Session, { model, view }: ModelView): void {
+  const { eye, target, up, fovY, width, height, near, tolerancePx, frustum, orientation } = view;
   const camera = Float32Array.of(...eye, ...target, ...up, fovY, width, height, near);
-  const frame = model.adapt(
-    camera,
-    view.tolerancePx,
-    Math.min(view.maxTriangles, NO_LIMIT),
-    Math.round(Math.min(1000 * view.deadlineMs, NO_LIMIT)),
-    view.frustum,
-    view.orientation,
-    regionOf(view.region),
-  );
+  session.look(model, camera, tolerancePx, frustum, orientation, regionOf(view.region));
+}
+
+function frameOf(session: Session, model: number): FrameUpdate {
+  const frame = session.frame(model);
   const vertices = {
     ranges: frame.takeVertexRanges(),
     positions: frame.takePositions(),
@@ -77,8 +87,8 @@ function regionOf(region: Region | undefined): Float32Array {
   return Float32Array.of(...place, outsideError);
 }
 
-function flyBy(model: Model): FlyByReport {
-  const flight = model.flyBy();
+function flyBy(session: Session, model: number): FlyByReport {
+  const flight = session.flyBy(model);
   const { frames, updatesPerFrame, activeTriangles, evaluationsPerFrame, meanMs, p50Ms, p99Ms, maxMs } = flight;
   flight.free();
   return { frames, updatesPerFrame, activeTriangles, evaluationsPerFrame, meanMs, p50Ms, p99Ms, maxMs };

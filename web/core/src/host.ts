@@ -1,56 +1,60 @@
-/** The worker's side of the line: it owns the engine, and answers one request after the other. */
+/** The worker's side of the line: it owns the engine, and answers what the page asks. */
 
 import { MeshfrontError } from "./errors.js";
 import { fetchBytes } from "./fetch.js";
-import type { Port, Reply, Request } from "./protocol.js";
-import type { FlyByReport, FrameUpdate, ModelInfo, View } from "./view.js";
+import type { Answer, ModelView, Port, Reply, Request } from "./protocol.js";
+import type { FlyByReport, FrameUpdate, Limits, ModelInfo } from "./view.js";
 
-/** One opened model with one front. */
+/** Opened models with one front each. Throws what `MeshfrontError.from` understands. */
 export interface Engine {
-  readonly info: ModelInfo;
-  adapt(view: View): FrameUpdate;
-  flyBy(): FlyByReport;
+  /** Reads a `.front` file, `name` being what messages call it. */
+  open(bytes: Uint8Array, name: string): { model: number; info: ModelInfo };
+  adapt(views: ModelView[], limits: Limits): FrameUpdate[];
+  flyBy(model: number): FlyByReport;
+  close(model: number): void;
 }
 
-/** Reads a `.front` file, `name` being what messages call it; throws what `MeshfrontError.from` understands. */
-export type LoadEngine = (bytes: Uint8Array, name: string) => Promise<Engine>;
+/** Answers the requests that arrive on `port`, for ever. The engine is started with the first of them. */
+export function serve(port: Port<Reply, Request>, start: () => Promise<Engine>, fetcher: typeof fetch = fetch): void {
+  let engine: Promise<Engine> | undefined;
 
-/** Answers the requests that arrive on `port`, for ever. */
-export function serve(port: Port<Reply, Request>, load: LoadEngine, fetcher: typeof fetch = fetch): void {
-  let engine: Engine | undefined;
-  // Fetching is asynchronous: the queue keeps the answers in the order of the requests.
-  let queue = Promise.resolve();
-  const reply = (message: Reply, transfer: Transferable[] = []) => port.postMessage(message, transfer);
-
-  async function answer(request: Request): Promise<void> {
+  async function answer(request: Request): Promise<[Answer, Transferable[]]> {
+    const { id } = request;
     switch (request.type) {
       case "open": {
-        const { source } = request;
-        const progress = (loaded: number, total: number | undefined) => reply({ type: "progress", loaded, total });
-        const bytes = typeof source === "string" ? await fetchBytes(source, progress, fetcher) : new Uint8Array(source);
-        engine = await load(bytes, request.name);
-        reply({ type: "opened", info: engine.info });
-        return;
+        const { source, name } = request;
+        const progress = (loaded: number, total: number | undefined) =>
+          port.postMessage({ id, type: "progress", loaded, total }, []);
+        const fetched = typeof source === "string" ? fetchBytes(source, progress, fetcher) : new Uint8Array(source);
+        // WebAssembly is compiled while the file arrives.
+        const [started, bytes] = await Promise.all([(engine ??= start()), fetched]);
+        return [{ type: "opened", ...started.open(bytes, name) }, []];
       }
       case "adapt": {
-        const frame = opened(engine).adapt(request.view);
-        reply({ type: "adapted", frame }, buffersOf(frame));
-        return;
+        const frames = (await opened(engine)).adapt(request.views, request.limits);
+        return [{ type: "adapted", frames }, frames.flatMap(buffersOf)];
       }
       case "fly-by":
-        reply({ type: "flown", report: opened(engine).flyBy() });
+        return [{ type: "flown", report: (await opened(engine)).flyBy(request.model) }, []];
+      case "close":
+        (await opened(engine)).close(request.model);
+        return [{ type: "closed" }, []];
     }
   }
 
   port.onmessage = ({ data: request }) => {
-    queue = queue.then(() => answer(request)).catch((thrown: unknown) => {
-      const { kind, message } = MeshfrontError.from(thrown);
-      reply({ type: "failed", kind, message });
-    });
+    const { id } = request;
+    answer(request).then(
+      ([reply, transfer]) => port.postMessage({ id, ...reply }, transfer),
+      (thrown: unknown) => {
+        const { kind, message } = MeshfrontError.from(thrown);
+        port.postMessage({ id, type: "failed", kind, message }, []);
+      },
+    );
   };
 }
 
-function opened(engine: Engine | undefined): Engine {
+function opened(engine: Promise<Engine> | undefined): Promise<Engine> {
   if (!engine) throw new MeshfrontError("engine", "no model is open");
   return engine;
 }

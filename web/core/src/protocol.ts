@@ -1,19 +1,32 @@
 import type { ErrorKind } from "./errors.js";
-import type { FlyByReport, FrameUpdate, ModelInfo, View } from "./view.js";
+import type { FlyByReport, FrameUpdate, Limits, ModelInfo, View } from "./view.js";
 
-/** Page → worker. One `open` comes first; every `adapt` and `fly-by` is answered once, in order. */
-export type Request =
+/** A model of the session, by its number, and where it is looked at from. */
+export interface ModelView {
+  model: number;
+  view: View;
+}
+
+/** What a page asks of its worker. */
+export type Question =
   | { type: "open"; source: string | ArrayBuffer; name: string }
-  | { type: "adapt"; view: View }
-  | { type: "fly-by" };
+  | { type: "adapt"; views: ModelView[]; limits: Limits }
+  | { type: "fly-by"; model: number }
+  | { type: "close"; model: number };
 
-/** Worker → page. */
-export type Reply =
-  | { type: "progress"; loaded: number; total: number | undefined }
-  | { type: "opened"; info: ModelInfo }
-  | { type: "adapted"; frame: FrameUpdate }
+/** Page → worker. Every request is answered once, under its `id`; while a file is fetched others may be answered. */
+export type Request = Question & { id: number };
+
+/** What a worker answers. `frames` are in the order of the views. */
+export type Answer =
+  | { type: "opened"; model: number; info: ModelInfo }
+  | { type: "adapted"; frames: FrameUpdate[] }
   | { type: "flown"; report: FlyByReport }
+  | { type: "closed" }
   | { type: "failed"; kind: ErrorKind; message: string };
+
+/** Worker → page. While a file arrives, `progress` comes before the answer. */
+export type Reply = (Answer | { type: "progress"; loaded: number; total: number | undefined }) & { id: number };
 
 /** One end of the line: a `Worker`, the global scope inside of one, or a `MessagePort`. */
 export interface Port<Out, In> {

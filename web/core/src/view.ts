@@ -22,16 +22,20 @@ export interface View {
   near: number;
   /** How far, in pixels, a drawn point may be from where the original surface would be drawn. */
   tolerancePx: number;
-  /** The most triangles that the front may hold. */
-  maxTriangles: number;
-  /** How long one call may take, milliseconds; what is left over goes on in the next call, worst pixels first. */
-  deadlineMs: number;
   /** Keep what lies outside of the picture coarse. */
   frustum: boolean;
   /** Keep what faces away coarse. */
   orientation: boolean;
   /** A part of the model with a tolerance of its own. */
   region?: Region;
+}
+
+/** What all models of a client have together. */
+export interface Limits {
+  /** The most triangles that their fronts may hold. */
+  maxTriangles: number;
+  /** How long one call may take, milliseconds; what is left over goes on in the next call, worst pixels first. */
+  deadlineMs: number;
 }
 
 /** Inside: as the view says. Outside: up to an error in mesh units. */
@@ -72,7 +76,7 @@ export interface FrameStats {
   coarsened: number;
   /** How often the criterion was asked. */
   evaluations: number;
-  /** Time in the engine, milliseconds. */
+  /** Time in the engine, milliseconds: of the whole call, which may be for several models. */
   engineMs: number;
   /** Time spent on gathering what changed, milliseconds. */
   gatherMs: number;
@@ -108,7 +112,7 @@ export interface TriangleChanges {
   corners: Uint32Array;
 }
 
-/** What a renderer has to write into its buffers after one call. The first one of a client holds every slot. */
+/** What a renderer has to write into its buffers after one call. The first one of a model holds every slot. */
 export interface FrameUpdate {
   /** Slots in use, free ones between them included: the length that the buffers need. */
   vertexSlots: number;

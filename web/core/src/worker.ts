@@ -1,7 +1,7 @@
 /** The worker's whole program. */
 
-import { loadEngine } from "./engine.js";
+import { startEngine } from "./engine.js";
 import { serve } from "./host.js";
 import type { Port, Reply, Request } from "./protocol.js";
 
-serve(self as unknown as Port<Reply, Request>, loadEngine);
+serve(self as unknown as Port<Reply, Request>, startEngine);

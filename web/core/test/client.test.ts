@@ -3,14 +3,15 @@
 import { afterEach, expect, test, vi } from "vitest";
 import { MeshfrontClient, type WorkerPort } from "../src/client.js";
 import { serve, type Engine } from "../src/host.js";
-import type { Port, Reply, Request } from "../src/protocol.js";
-import type { FrameUpdate, ModelInfo, View } from "../src/view.js";
+import type { ModelView, Port, Reply, Request } from "../src/protocol.js";
+import type { FrameUpdate, Limits, ModelInfo, View } from "../src/view.js";
 
 const VIEW: View = {
   eye: [0, 0, 5], target: [0, 0, 0], up: [0, 1, 0], fovY: 1, width: 100, height: 100, near: 0.1,
-  tolerancePx: 1, maxTriangles: Infinity, deadlineMs: 5, frustum: true, orientation: true,
+  tolerancePx: 1, frustum: true, orientation: true,
 };
-const at = (x: number): View => ({ ...VIEW, eye: [x, 0, 5] });
+const LIMITS: Limits = { maxTriangles: Infinity, deadlineMs: 5 };
+const at = (x: number): ModelView[] => [{ model: 7, view: { ...VIEW, eye: [x, 0, 5] } }];
 
 const INFO = { updates: 3, bytes: 4 } as ModelInfo;
 
@@ -46,27 +47,29 @@ function worker(engine: Partial<Engine> = {}, fetcher?: typeof fetch) {
   const channel = new MessageChannel();
   channels.push(channel);
   const views: View[] = [];
-  const adapt = (view: View) => {
+  const open = vi.fn((bytes: Uint8Array, name: string) => {
+    if (bytes[0] !== 77) throw Object.assign(new Error(`${name}: byte 0 is wrong`), { name: "damaged" });
+    return { model: 7, info: INFO };
+  });
+  const adapt = (asked: ModelView[]) => asked.map(({ view }) => {
     views.push(view);
     return frameOf(view);
-  };
-  const load = vi.fn(async (bytes: Uint8Array, name: string) => {
-    if (bytes[0] !== 77) throw Object.assign(new Error(`${name}: byte 0 is wrong`), { name: "damaged" });
-    return { info: INFO, adapt, flyBy: () => { throw new Error("no"); }, ...engine } as Engine;
   });
-  serve(channel.port2 as unknown as Port<Reply, Request>, load, fetcher);
+  const flyBy = () => { throw new Error("no"); };
+  const close = vi.fn();
+  serve(channel.port2 as unknown as Port<Reply, Request>, async () => ({ open, adapt, flyBy, close, ...engine }), fetcher);
   const port = channel.port1 as unknown as WorkerPort;
   port.terminate = vi.fn(() => channel.port1.close());
-  return { startWorker: () => port, views, load, port };
+  return { client: new MeshfrontClient(() => port), views, open, close, port };
 }
 const good = () => Uint8Array.of(77, 1, 2, 3).buffer;
 
+
 test("opens bytes, which are handed over and not copied", async () => {
-  const { startWorker, load } = worker();
+  const { client, open } = worker();
   const bytes = good();
-  const client = await MeshfrontClient.open(bytes, { startWorker });
-  expect(client.info).toEqual(INFO);
-  expect(load).toHaveBeenCalledOnce();
+  await expect(client.open(bytes)).resolves.toMatchObject({ model: 7, info: INFO });
+  expect(open).toHaveBeenCalledOnce();
   expect(bytes.byteLength).toBe(0);
 });
 
@@ -77,74 +80,86 @@ test("opens an address, and tells how far it is", async () => {
     asked.push(url);
     return new Response(good(), { headers: { "content-length": "4" } });
   }) as typeof fetch;
-  const { startWorker } = worker({}, fetcher);
+  const { client } = worker({}, fetcher);
   const seen: number[] = [];
-  await MeshfrontClient.open("a.front", { startWorker, onProgress: (loaded) => seen.push(loaded) });
+  await client.open("a.front", { onProgress: (loaded) => seen.push(loaded) });
   vi.unstubAllGlobals();
   expect(asked).toEqual(["http://localhost/page/a.front"]);
   expect(seen).toEqual([0, 4]);
 });
 
-test("what the reader throws keeps its kind and its words, and the worker ends", async () => {
-  const { startWorker, port } = worker();
-  const failure = MeshfrontClient.open(Uint8Array.of(0).buffer, { startWorker, name: "my scan" });
+test("what the reader throws keeps its kind and its words, and others can be opened", async () => {
+  const { client } = worker();
+  const failure = client.open(Uint8Array.of(0).buffer, { name: "my scan" });
   await expect(failure).rejects.toMatchObject({ kind: "damaged", message: "my scan: byte 0 is wrong" });
   await expect(failure).rejects.toHaveProperty("remedy", expect.stringContaining("meshfront build"));
-  expect(port.terminate).toHaveBeenCalledOnce();
+  await expect(client.open(good())).resolves.toBeDefined();
 });
 
 test("one view at a time, and the latest wins", async () => {
-  const { startWorker, views } = worker();
-  const client = await MeshfrontClient.open(good(), { startWorker });
-  const frames = await Promise.all([1, 2, 3, 4].map((x) => client.adapt(at(x))));
+  const { client, views } = worker();
+  await client.open(good());
+  const frames = await Promise.all([1, 2, 3, 4].map((x) => client.adapt(at(x), LIMITS)));
   expect(views.map((view) => view.eye[0])).toEqual([1, 4]);
-  expect(frames.map((frame) => frame?.vertices.positions[0])).toEqual([1, undefined, undefined, 4]);
-  const last = await client.adapt(at(5));
-  expect(last?.vertices.positions[0]).toBe(5);
+  expect(frames.map((frame) => frame?.[0]!.vertices.positions[0])).toEqual([1, undefined, undefined, 4]);
+  const last = await client.adapt(at(5), LIMITS);
+  expect(last?.[0]!.vertices.positions[0]).toBe(5);
+});
+
+test("while a file arrives the models that are there go on", async () => {
+  vi.stubGlobal("document", { baseURI: "http://localhost/" });
+  let arrive = (_: Response) => {};
+  const { client } = worker({}, () => new Promise((resolve) => { arrive = resolve; }));
+  await client.open(good());
+  const slow = client.open("slow.front");
+  await expect(client.adapt(at(1), LIMITS)).resolves.toHaveLength(1);
+  arrive(new Response(good()));
+  await expect(slow).resolves.toBeDefined();
+  vi.unstubAllGlobals();
 });
 
 test("an engine that breaks down fails the call, not the line", async () => {
   let broken = true;
-  const { startWorker } = worker({
-    adapt: (view) => {
+  const { client } = worker({
+    adapt: (views) => {
       if (broken) throw new WebAssembly.RuntimeError("unreachable");
-      return frameOf(view);
+      return views.map(({ view }) => frameOf(view));
     },
   });
-  const client = await MeshfrontClient.open(good(), { startWorker });
-  await expect(client.adapt(VIEW)).rejects.toMatchObject({ kind: "engine", message: "unreachable" });
+  await client.open(good());
+  await expect(client.adapt(at(1), LIMITS)).rejects.toMatchObject({ kind: "engine", message: "unreachable" });
   broken = false;
-  await expect(client.adapt(VIEW)).resolves.toBeDefined();
+  await expect(client.adapt(at(1), LIMITS)).resolves.toBeDefined();
 });
 
 test("disposing rejects what is on its way and what waits", async () => {
-  const { startWorker, port } = worker();
-  const client = await MeshfrontClient.open(good(), { startWorker });
-  const [first, second] = [client.adapt(at(1)), client.adapt(at(2))];
+  const { client, port } = worker();
+  await client.open(good());
+  const [first, second] = [client.adapt(at(1), LIMITS), client.adapt(at(2), LIMITS)];
   client.dispose();
   await expect(first).rejects.toMatchObject({ kind: "closed" });
   await expect(second).rejects.toMatchObject({ kind: "closed" });
-  await expect(client.adapt(at(3))).rejects.toMatchObject({ kind: "closed" });
+  await expect(client.adapt(at(3), LIMITS)).rejects.toMatchObject({ kind: "closed" });
   expect(port.terminate).toHaveBeenCalledOnce();
 });
 
-test("giving up while the file arrives", async () => {
+test("giving up while the file arrives: nobody keeps the model", async () => {
   vi.stubGlobal("document", { baseURI: "http://localhost/" });
-  const { startWorker, port } = worker({}, () => new Promise(() => {}));
+  let arrive = (_: Response) => {};
+  const { client, close } = worker({}, () => new Promise((resolve) => { arrive = resolve; }));
   const leaving = new AbortController();
-  const opening = MeshfrontClient.open("slow.front", { startWorker, signal: leaving.signal });
+  const opening = client.open("slow.front", { signal: leaving.signal });
   leaving.abort();
   await expect(opening).rejects.toMatchObject({ kind: "closed" });
+  await new Promise((soon) => setTimeout(soon, 20));
+  arrive(new Response(good()));
+  await vi.waitFor(() => expect(close).toHaveBeenCalledWith(7));
   vi.unstubAllGlobals();
-  expect(port.terminate).toHaveBeenCalledOnce();
 });
 
 test("a worker that does not start is an engine error", async () => {
-  const { startWorker, port } = worker();
-  const opening = MeshfrontClient.open(good(), { startWorker: () => {
-    const started = startWorker();
-    queueMicrotask(() => port.onerror?.({ message: "" } as ErrorEvent));
-    return started;
-  } });
+  const { client, port } = worker();
+  const opening = client.open(good());
+  port.onerror?.({ message: "" } as ErrorEvent);
   await expect(opening).rejects.toMatchObject({ kind: "engine" });
 });

@@ -3,14 +3,27 @@
 import { readFileSync } from "node:fs";
 import { expect, test } from "vitest";
 import { applyRanges } from "../src/apply.js";
-import { loadEngine } from "../src/engine.js";
+import { startEngine } from "../src/engine.js";
 import { MeshfrontError } from "../src/errors.js";
-import type { Engine } from "../src/host.js";
-import type { FrameUpdate, Region, View } from "../src/view.js";
+import type { FrameUpdate, ModelInfo, Region, View } from "../src/view.js";
 
 const module = readFileSync(new URL("../wasm/meshfront_wasm_bg.wasm", import.meta.url));
 const front = readFileSync(new URL("../../../testdata/front/v1-knot-lossless-painted.front", import.meta.url));
-const load = (bytes: Uint8Array) => loadEngine(bytes, "scan", module);
+
+/** One model in an engine of its own. */
+interface Alone {
+  info: ModelInfo;
+  adapt(view: View, maxTriangles?: number, deadlineMs?: number): FrameUpdate;
+}
+async function load(bytes: Uint8Array): Promise<Alone> {
+  const engine = await startEngine(module);
+  const { model, info } = engine.open(bytes, "scan");
+  return {
+    info,
+    adapt: (view, maxTriangles = Infinity, deadlineMs = Infinity) =>
+      engine.adapt([{ model, view }], { maxTriangles, deadlineMs })[0]!,
+  };
+}
 
 const kindOf = async (bytes: Uint8Array) => {
   const error = MeshfrontError.from(await load(bytes).catch((thrown: unknown) => thrown));
@@ -20,7 +33,7 @@ const kindOf = async (bytes: Uint8Array) => {
 };
 
 /** A view of the whole model from a direction, so many half diagonals away. */
-function lookAt({ info }: Engine, direction: [number, number, number], distance: number, tolerancePx = 0.1): View {
+function lookAt({ info }: { info: ModelInfo }, direction: [number, number, number], distance: number, tolerancePx = 0.1): View {
   const center = info.min.map((low, i) => (low + info.max[i]!) / 2);
   const radius = Math.hypot(...info.max.map((high, i) => high - center[i]!));
   return {
@@ -28,7 +41,7 @@ function lookAt({ info }: Engine, direction: [number, number, number], distance:
     target: center as unknown as View["target"],
     up: [0, 1, 0],
     fovY: 0.8, width: 800, height: 600, near: 0.01 * radius,
-    tolerancePx, maxTriangles: Infinity, deadlineMs: Infinity, frustum: true, orientation: true,
+    tolerancePx, frustum: true, orientation: true,
   };
 }
 
@@ -70,19 +83,19 @@ class Mirror {
 test("changed ranges, one after the other, make the same mesh as one upload of everything", async () => {
   const [walking, fresh] = [await load(front), await load(front)];
   const mirror = new Mirror();
-  const walk: View[] = [
-    lookAt(walking, [0, 0, 1], 30),
-    lookAt(walking, [0, 0, 1], 2),
-    lookAt(walking, [0.7, 0.1, 0.7], 1.2),
-    { ...lookAt(walking, [0, 1, 0.1], 1.5), maxTriangles: 200 },
-    lookAt(walking, [0, 1, 0.1], 1.5, 1),
-    lookAt(walking, [-1, 0, 0], 1.1),
+  const walk: [View, number?][] = [
+    [lookAt(walking, [0, 0, 1], 30)],
+    [lookAt(walking, [0, 0, 1], 2)],
+    [lookAt(walking, [0.7, 0.1, 0.7], 1.2)],
+    [lookAt(walking, [0, 1, 0.1], 1.5), 200],
+    [lookAt(walking, [0, 1, 0.1], 1.5, 1)],
+    [lookAt(walking, [-1, 0, 0], 1.1)],
   ];
   let [updates, calls] = [0, 0];
-  for (const view of walk) {
+  for (const [view, maxTriangles] of walk) {
     for (let settled = false; !settled;) {
       // So little time that most views take several calls.
-      const frame = walking.adapt({ ...view, deadlineMs: 0.02 });
+      const frame = walking.adapt(view, maxTriangles, 0.02);
       mirror.apply(frame);
       updates += frame.stats.refined + frame.stats.coarsened;
       settled = frame.stats.settled;
@@ -90,7 +103,7 @@ test("changed ranges, one after the other, make the same mesh as one upload of e
     }
   }
   const straight = new Mirror();
-  const frame = fresh.adapt(walk.at(-1)!);
+  const frame = fresh.adapt(walk.at(-1)![0]);
   straight.apply(frame);
   expect(calls).toBeGreaterThan(walk.length);
   expect(updates).toBeGreaterThan(1.5 * frame.stats.refined);
@@ -110,7 +123,7 @@ test("a budget and a tolerance are kept", async () => {
   const engine = await load(front);
   const view = lookAt(engine, [0, 0, 1], 1.5, 0.2);
   const budget = Math.round(1.5 * engine.info.baseTriangles);
-  const bound = engine.adapt({ ...view, maxTriangles: budget }).stats;
+  const bound = engine.adapt(view, budget).stats;
   expect(bound.budgetBound).toBe(true);
   expect(bound.triangles).toBeLessThanOrEqual(budget);
   const free = engine.adapt(view).stats;
@@ -148,4 +161,28 @@ test("a file that is cut off or altered is damaged, wherever", async () => {
     altered[Math.floor(part * front.length)]! ^= 1;
     expect(await kindOf(altered)).toBe("damaged");
   }
+});
+
+test("models share a budget: the one that looks worse gets more of it", async () => {
+  const engine = await startEngine(module);
+  const [near, far] = [engine.open(front, "near"), engine.open(front, "far")];
+  const look = (distances: [number, number], maxTriangles: number) =>
+    engine.adapt(
+      [near, far].map(({ model, info }, i) => ({ model, view: lookAt({ info }, [0, 0, 1], distances[i]!, 0.05) })),
+      { maxTriangles, deadlineMs: Infinity },
+    ).map(({ stats }) => stats);
+  const free = look([1.5, 6], Infinity);
+  const limit = Math.round(0.6 * (free[0]!.triangles + free[1]!.triangles));
+  const [a, b] = look([1.5, 6], limit);
+  expect(a!.budgetBound && b!.budgetBound).toBe(true);
+  expect(a!.triangles + b!.triangles).toBeLessThanOrEqual(limit);
+  expect(a!.triangles).toBeGreaterThan(b!.triangles);
+  // No model has what the other one needs more: what waits looks about as wrong in both.
+  expect(Math.max(a!.errorPx, b!.errorPx)).toBeLessThan(1.5 * Math.min(a!.errorPx, b!.errorPx));
+  const [c, d] = look([6, 1.5], limit);
+  expect(d!.triangles).toBeGreaterThan(c!.triangles);
+  engine.close(near.model);
+  const alone = engine.adapt([{ model: far.model, view: lookAt(far, [0, 0, 1], 1.5, 0.05) }], { maxTriangles: limit, deadlineMs: Infinity });
+  expect(alone[0]!.stats.triangles).toBeGreaterThan(d!.triangles);
+  expect(() => engine.flyBy(near.model)).toThrow("no such model");
 });

@@ -1,10 +1,13 @@
-import { MeshfrontClient, MeshfrontError, type FrameStats, type ModelInfo, type Region, type View } from "@meshfront/core";
+import {
+  MeshfrontError, type ClientModel, type FrameStats, type FrameUpdate, type FlyByReport, type ModelInfo, type Region, type View,
+} from "@meshfront/core";
 import {
   type BufferGeometry, FrontSide, type Material, Mesh, MeshStandardMaterial, type Object3DEventMap, type PerspectiveCamera,
   Vector2, type WebGLRenderer,
 } from "three";
+import { MeshfrontBudget, type Member } from "./budget.js";
 import { applyFrame, emptyGeometry, frontGeometry } from "./buffers.js";
-import { meshView, sameView } from "./view.js";
+import { meshView } from "./view.js";
 
 /** How a `MeshfrontObject` starts. Qualities may be changed later on the object. */
 export interface MeshfrontOptions {
@@ -14,10 +17,12 @@ export interface MeshfrontOptions {
   material?: Material;
   /** Pixels that a drawn point may be from where the original surface would be drawn; 1 by default. */
   tolerancePx?: number;
-  /** The most triangles that the front may hold; no limit by default. */
+  /** The most triangles that the front may hold; no limit by default. Not together with `budget`. */
   maxTriangles?: number;
-  /** Time in the worker per update, milliseconds; 6 by default. */
+  /** Time in the worker per update, milliseconds; 6 by default. Not together with `budget`. */
   deadlineMs?: number;
+  /** Shared with other objects; by default the object has a worker and limits of its own. */
+  budget?: MeshfrontBudget;
 }
 
 /** What a `MeshfrontObject` dispatches beside the events of every object. */
@@ -52,9 +57,9 @@ const size = new Vector2();
 export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEventMap> {
   /** Resolves once the base mesh is there; rejects with a `MeshfrontError`. */
   readonly ready: Promise<ModelInfo>;
+  /** Worker and limits. */
+  readonly budget: MeshfrontBudget;
   tolerancePx: number;
-  maxTriangles: number;
-  deadlineMs: number;
   /** Keep what lies outside of the picture coarse. */
   cullFrustum = true;
   /** Keep what faces away coarse. Without effect where the material shows the backs of triangles. */
@@ -64,20 +69,22 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
   /** Leaves the front as it is, wherever the camera goes. */
   frozen = false;
 
-  private client: MeshfrontClient | undefined;
+  private opened: ClientModel | undefined;
   private camera: PerspectiveCamera | undefined;
   private height = 0;
-  private lastView: View | undefined;
-  private lastStats: FrameStats | undefined;
-  private busy = false;
+  private last: { view: View; stats: FrameStats } | undefined;
+  private readonly ownsBudget: boolean;
   private readonly closing = new AbortController();
+  private readonly member: Member;
 
   /** Starts loading a `.front` file: an address, or its bytes (handed over; the buffer is empty afterwards). */
   constructor(source: string | URL | ArrayBuffer, options: MeshfrontOptions = {}) {
     super(emptyGeometry(), options.material ?? new MeshStandardMaterial({ color: 0xd9d0c5, roughness: 0.75 }));
     this.tolerancePx = options.tolerancePx ?? 1;
-    this.maxTriangles = options.maxTriangles ?? Infinity;
-    this.deadlineMs = options.deadlineMs ?? 6;
+    this.ownsBudget = options.budget === undefined;
+    this.budget = options.budget ?? new MeshfrontBudget(options);
+    this.member = this.asMember();
+    this.budget.join(this.member);
     this.name = options.name ?? "";
     this.ready = this.open(source, options.name);
     // Who listens to `load-error` need not catch `ready` as well.
@@ -86,17 +93,25 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
 
   /** Numbers of the model, once it is open. */
   get info(): ModelInfo | undefined {
-    return this.client?.info;
+    return this.opened?.info;
   }
 
   /** What the last answer of the engine said. */
   get stats(): FrameStats | undefined {
-    return this.lastStats;
+    return this.last?.stats;
   }
 
-  /** Whether the front is all that the camera asks for, as of the last `update()`. */
+  /** The most triangles that the front, or all that share its budget, may hold. */
+  get maxTriangles(): number {
+    return this.budget.maxTriangles;
+  }
+  set maxTriangles(triangles: number) {
+    this.budget.maxTriangles = triangles;
+  }
+
+  /** Whether the front is all that the camera asks for, as of the last `update()`; if it shares a budget, all of them. */
   get settled(): boolean {
-    return !this.busy && (this.lastStats?.settled ?? false) && (this.frozen || !this.viewChanged());
+    return this.last !== undefined && (this.frozen || this.budget.settled);
   }
 
   /** The camera that the front follows. */
@@ -120,60 +135,59 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
    * costs microseconds. A view that takes more than one deadline goes on by itself.
    */
   update(): void {
-    if (!this.client || this.busy || this.frozen) return;
-    const view = this.view();
-    if (!view || (this.lastStats?.settled && this.lastView && sameView(view, this.lastView))) return;
-    void this.adapt(this.client, view);
+    this.budget.update();
   }
 
-  /** Ends the worker and frees the buffers; the material is the caller's. */
+  /** Ends its worker, unless others share it, and frees the buffers; the material is the caller's. */
   override dispose(): void {
     this.closing.abort();
-    this.client?.dispose();
-    this.client = undefined;
+    this.budget.leave(this.member);
+    this.opened = undefined;
+    if (this.ownsBudget) this.budget.dispose();
     this.geometry.dispose();
     super.dispose();
   }
 
-  /** The client below, for what this object does not offer. */
-  get engine(): MeshfrontClient | undefined {
-    return this.client;
+  /** Flies once around the model inside the worker; its front starts and ends as it was. Takes seconds. */
+  async flyBy(): Promise<FlyByReport | undefined> {
+    return this.opened && this.budget.client.flyBy(this.opened.model);
   }
 
   private async open(source: string | URL | ArrayBuffer, name: string | undefined): Promise<ModelInfo> {
     try {
-      const client = await MeshfrontClient.open(source, {
+      const opened = await this.budget.client.open(source, {
         onProgress: (loaded, total) => this.dispatchEvent({ type: "load-progress", loaded, total }),
         signal: this.closing.signal,
         ...(name === undefined ? {} : { name }),
       });
-      this.client = client;
-      this.geometry = frontGeometry(client.info);
-      if (client.info.hasColors && "vertexColors" in this.material) this.material.vertexColors = true;
-      this.dispatchEvent({ type: "load", info: client.info });
-      return client.info;
+      this.opened = opened;
+      this.geometry = frontGeometry(opened.info);
+      if (opened.info.hasColors && "vertexColors" in this.material) this.material.vertexColors = true;
+      this.dispatchEvent({ type: "load", info: opened.info });
+      return opened.info;
     } catch (thrown) {
+      this.budget.leave(this.member);
+      if (this.ownsBudget) this.budget.dispose();
       throw this.report(thrown);
     }
   }
 
-  private async adapt(client: MeshfrontClient, view: View): Promise<void> {
-    this.busy = true;
-    try {
-      const frame = await client.adapt(view);
-      if (!frame || this.client !== client) return;
-      applyFrame(this.geometry, frame);
-      this.lastView = view;
-      this.lastStats = frame.stats;
-      this.dispatchEvent({ type: "needs-update" });
-    } catch (thrown) {
-      this.client = undefined;
-      this.report(thrown);
-    } finally {
-      this.busy = false;
-    }
-    // Drawing may be slower than the engine: the worker need not wait for the next frame to go on.
-    if (this.lastStats?.settled === false) this.update();
+  private asMember(): Member {
+    const object = this;
+    return {
+      get model() { return object.opened?.model; },
+      get last() { return object.last; },
+      wantedView: () => (object.frozen ? undefined : object.view()),
+      apply(frame: FrameUpdate, view: View) {
+        applyFrame(object.geometry, frame);
+        object.last = { view, stats: frame.stats };
+        object.dispatchEvent({ type: "needs-update" });
+      },
+      fail(error: MeshfrontError) {
+        object.opened = undefined;
+        object.report(error);
+      },
+    };
   }
 
   private report(thrown: unknown): MeshfrontError {
@@ -182,19 +196,12 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
     return error;
   }
 
-  private viewChanged(): boolean {
-    const view = this.view();
-    return view !== undefined && !(this.lastView && sameView(view, this.lastView));
-  }
-
   private view(): View | undefined {
     if (!this.camera || this.height <= 0) return undefined;
     this.updateWorldMatrix(true, false);
     this.camera.updateWorldMatrix(true, false);
     return meshView(this.camera, this.matrixWorld, this.height, {
       tolerancePx: this.tolerancePx,
-      maxTriangles: this.maxTriangles,
-      deadlineMs: this.deadlineMs,
       frustum: this.cullFrustum,
       orientation: this.cullOrientation && this.material.side === FrontSide,
       region: this.region,

@@ -4,8 +4,6 @@ import { Matrix4, type Camera, Vector3 } from "three";
 /** The parts of a view that a camera does not say. */
 export interface Quality {
   tolerancePx: number;
-  maxTriangles: number;
-  deadlineMs: number;
   frustum: boolean;
   orientation: boolean;
   region: Region | undefined;
@@ -49,8 +47,6 @@ export function meshView(camera: Camera, worldFromMesh: Matrix4, height: number,
     height: 2 * pixels * halfHeight,
     near: roundDown(((camera as { near?: number }).near ?? 0) / largest),
     tolerancePx: (quality.tolerancePx * smallest) / largest,
-    maxTriangles: quality.maxTriangles,
-    deadlineMs: quality.deadlineMs,
     frustum: quality.frustum && similar,
     orientation: quality.orientation,
   };
@@ -83,8 +79,7 @@ export function scales(transform: Matrix4): { smallest: number; largest: number 
   return { smallest: Math.sqrt(Math.max(smallest, 0)), largest: Math.sqrt(largest) };
 }
 
-/** Whether two views ask for the same front: the deadline does not count. */
+/** Whether two views ask for the same front. */
 export function sameView(a: View, b: View): boolean {
-  const key = ({ deadlineMs: _, ...rest }: View) => JSON.stringify(rest);
-  return key(a) === key(b);
+  return JSON.stringify(a) === JSON.stringify(b);
 }

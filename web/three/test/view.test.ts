@@ -3,7 +3,7 @@ import { expect, test } from "vitest";
 import { meshView, scales, type Quality } from "../src/view.js";
 
 const QUALITY: Quality = {
-  tolerancePx: 2, maxTriangles: Infinity, deadlineMs: 5, frustum: true, orientation: true, region: undefined,
+  tolerancePx: 2, frustum: true, orientation: true, region: undefined,
 };
 const HEIGHT = 800;
 

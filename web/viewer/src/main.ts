@@ -1,9 +1,11 @@
-/** The page that `meshfront view` serves: one model, one front, one panel. */
+/** The page that `meshfront view` serves: models side by side, a front of each, one budget, one panel. */
 
-import { levelMaterial, MeshfrontObject, type FrameStats, type MeshfrontError } from "@meshfront/three";
-import { Box3, type BufferGeometry, Mesh, MeshBasicMaterial, MeshStandardMaterial, Vector3 } from "three";
+import {
+  levelMaterial, MeshfrontBudget, MeshfrontObject, totalStats, type FrameStats, type MeshfrontError, type ModelInfo,
+} from "@meshfront/three";
+import { Box3, Mesh, MeshBasicMaterial, MeshStandardMaterial, Sphere, Vector3 } from "three";
 import { count, element, makePanel } from "./panel.js";
-import { readCard, readParameters, type ModelCard, type Point } from "./parameters.js";
+import { readCard, readParameters, type Card, type ModelCard, type Point } from "./parameters.js";
 import { type Covered, makeStage, moveByKey } from "./stage.js";
 
 const parameters = readParameters(location.search);
@@ -11,9 +13,7 @@ const parameters = readParameters(location.search);
 const stage = makeStage(element<HTMLCanvasElement>("picture"), Math.min(devicePixelRatio, 2));
 const { camera, controls, renderer, scene } = stage;
 
-const clay = new MeshStandardMaterial({
-  color: 0xd8c7b4, roughness: 0.72, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
-});
+const CLAY = 0xd8c7b4;
 const byLevel = levelMaterial({ polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
 const lines = new MeshBasicMaterial({ color: 0x11161c, wireframe: true, transparent: true, opacity: 0.4 });
 
@@ -24,8 +24,14 @@ const NARROW = 640;
 const details = element<HTMLDetailsElement>("panel");
 details.open = innerWidth > NARROW;
 
-let object: MeshfrontObject | undefined;
-let overlay: Mesh<BufferGeometry> | undefined;
+/** A model of the page, and how it looks when it is not coloured by level. */
+interface Shown {
+  object: MeshfrontObject;
+  clay: MeshStandardMaterial;
+}
+
+let budget: MeshfrontBudget | undefined;
+let shown: Shown[] = [];
 let dirty = true;
 let waiting: (() => void)[] = [];
 const asked = { tolerancePx: parameters.tolerancePx, budget: parameters.budget, frozen: false };
@@ -41,17 +47,17 @@ const panel = makePanel({
 
 function setTolerance(px: number): void {
   asked.tolerancePx = px;
-  if (object) object.tolerancePx = px;
+  for (const { object } of shown) object.tolerancePx = px;
 }
 
 function setBudget(triangles: number): void {
   asked.budget = triangles;
-  if (object) object.maxTriangles = triangles;
+  if (budget) budget.maxTriangles = triangles;
 }
 
 function freeze(on: boolean): void {
   asked.frozen = on;
-  if (object) object.frozen = on;
+  for (const { object } of shown) object.frozen = on;
   say(on ? "The front is frozen: it stays as it is while you look around." : "The front follows the view again.");
 }
 
@@ -61,16 +67,17 @@ function setWireframe(on: boolean): void {
 }
 
 function setLevels(on: boolean): void {
-  if (object) object.material = on ? byLevel : clay;
+  for (const { object, clay } of shown) object.material = on ? byLevel : clay;
   dirty = true;
 }
 
 function showAll(): void {
-  const info = object?.info;
-  if (object && info) {
-    const box = new Box3(new Vector3(...info.min), new Vector3(...info.max));
-    stage.showAll(box.applyMatrix4(object.matrixWorld));
+  const box = new Box3();
+  for (const { object } of shown) {
+    const { info } = object;
+    if (info) box.union(new Box3(new Vector3(...info.min), new Vector3(...info.max)).applyMatrix4(object.matrixWorld));
   }
+  if (!box.isEmpty()) stage.showAll(box);
   dirty = true;
 }
 
@@ -100,45 +107,73 @@ async function open(): Promise<void> {
   element("failure").hidden = true;
   element("loading").hidden = false;
   element<HTMLProgressElement>("loading-bar").removeAttribute("value");
-  const card = await readCard(parameters.model);
+  const card = await readCard(parameters.models);
   describe(card);
-  const loading = new MeshfrontObject(card.url, {
-    name: card.name,
-    material: element<HTMLInputElement>("levels").checked ? byLevel : clay,
-    tolerancePx: asked.tolerancePx,
-    maxTriangles: asked.budget,
+  const shared = new MeshfrontBudget({ maxTriangles: asked.budget });
+  budget = shared;
+  shown = card.models.map((model) => load(model, shared));
+  const infos = await Promise.all(shown.map(({ object }) => object.ready)).catch(() => undefined);
+  // A failure is told where it happened; and the page may have been asked to open again meanwhile.
+  if (infos && budget === shared) ready(card, infos);
+}
+
+function load(card: ModelCard, budget: MeshfrontBudget): Shown {
+  const clay = new MeshStandardMaterial({
+    color: CLAY, roughness: 0.72, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1,
   });
-  object = loading;
-  loading.frozen = asked.frozen;
-  loading.addEventListener("load-progress", ({ loaded, total }) => showProgress(card.name, loaded, total));
-  loading.addEventListener("load-error", ({ error }) => fail(error));
-  loading.addEventListener("needs-update", () => { dirty = true; });
-  loading.addEventListener("load", ({ info }) => {
-    element("loading").hidden = true;
-    showTools(parameters.panel);
-    clay.color.set(info.hasColors ? 0xffffff : 0xd8c7b4);
-    panel.setModel(info);
-    panel.setTolerance(asked.tolerancePx);
-    panel.setBudget(asked.budget);
-    const source = card.source ?? { vertices: info.sourceVertices, triangles: info.sourceTriangles };
-    const size = `${count(source.triangles)} triangles, ${(info.bytes / 1e6).toFixed(1)} MB`;
-    element("subtitle").textContent = size;
-    say(`${card.name} is loaded: ${size}.`);
-    overlay = new Mesh(loading.geometry, lines);
-    scene.add(loading.add(overlay));
+  const material = element<HTMLInputElement>("levels").checked ? byLevel : clay;
+  const object = new MeshfrontObject(card.url, { name: card.name, material, tolerancePx: asked.tolerancePx, budget });
+  object.frozen = asked.frozen;
+  object.addEventListener("load-progress", ({ loaded, total }) => showProgress(card.name, loaded, total));
+  object.addEventListener("load-error", ({ error }) => fail(error));
+  object.addEventListener("needs-update", () => { dirty = true; });
+  object.addEventListener("load", ({ info }) => {
+    if (info.hasColors) {
+      clay.color.set(0xffffff);
+      clay.vertexColors = true;
+    }
     // The page's own up is +y.
-    loading.quaternion.setFromUnitVectors(new Vector3(...info.up), new Vector3(0, 1, 0));
-    loading.updateMatrixWorld();
-    stage.resize(covered());
-    showAll();
-    if (parameters.eye) setCamera(parameters.eye, parameters.target ?? controls.target.toArray());
+    object.quaternion.setFromUnitVectors(new Vector3(...info.up), new Vector3(0, 1, 0));
+    if (card.at) object.position.set(...card.at);
+    if (card.scale) object.scale.setScalar(card.scale);
+    object.add(new Mesh(object.geometry, lines));
+    scene.add(object);
+    object.updateMatrixWorld();
   });
+  return { object, clay };
+}
+
+function ready(card: Card, infos: ModelInfo[]): void {
+  element("loading").hidden = true;
+  showTools(parameters.panel);
+  panel.setModels(infos);
+  panel.setTolerance(asked.tolerancePx);
+  panel.setBudget(asked.budget);
+  const sum = (numbers: number[]) => numbers.reduce((total, n) => total + n, 0);
+  const triangles = sum(card.models.map(({ source }, i) => source?.triangles ?? infos[i]!.sourceTriangles));
+  const size = `${count(triangles)} triangles, ${(sum(infos.map(({ bytes }) => bytes)) / 1e6).toFixed(1)} MB`;
+  element("subtitle").textContent = size;
+  say(`${card.name} is loaded: ${size}.`);
+  stage.resize(covered());
+  showAll();
+  if (parameters.eye) setCamera(parameters.eye, parameters.target ?? controls.target.toArray());
 }
 
 function close(): void {
-  object?.removeFromParent();
-  object?.dispose();
-  object = undefined;
+  for (const { object, clay } of shown) {
+    object.removeFromParent();
+    object.dispose();
+    clay.dispose();
+  }
+  budget?.dispose();
+  budget = undefined;
+  shown = [];
+}
+
+/** Of all fronts together, once each of them has been looked at. */
+function stats(): FrameStats | undefined {
+  const each = shown.flatMap(({ object }) => object.stats ?? []);
+  return each.length === shown.length ? totalStats(each) : undefined;
 }
 
 /** Nothing can be set as long as nothing is shown. */
@@ -147,7 +182,7 @@ function showTools(on: boolean): void {
   element("help").hidden = !on;
 }
 
-function describe(card: ModelCard): void {
+function describe(card: Card): void {
   document.title = `${card.name} – Meshfront`;
   element("name").textContent = card.name;
   element("credit").textContent = card.credit ?? "";
@@ -195,18 +230,23 @@ function fail(error: MeshfrontError): void {
 function frame(): void {
   if (stage.resize(covered())) dirty = true;
   const moved = controls.update();
-  const sphere = object?.geometry.boundingSphere;
-  if (object && sphere) {
-    if (moved || dirty) stage.fitDepth(sphere.clone().applyMatrix4(object.matrixWorld));
+  const around = new Sphere().makeEmpty();
+  for (const { object } of shown) {
+    if (!object.info) continue;
+    around.union(object.geometry.boundingSphere!.clone().applyMatrix4(object.matrixWorld));
     object.setResolutionFromRenderer(camera, renderer);
-    object.update();
   }
+  if (!around.isEmpty()) {
+    if (moved || dirty) stage.fitDepth(around);
+    budget?.update();
+  }
+  const now = stats();
   if (moved || dirty) {
     dirty = false;
     renderer.render(scene, camera);
-    if (object?.stats) panel.show(object.stats);
+    if (now) panel.show(now);
   }
-  if (object?.settled && !moved && !dirty) {
+  if (now && (asked.frozen || budget?.settled) && !moved && !dirty) {
     for (const resolve of waiting) resolve();
     waiting = [];
   }
@@ -229,20 +269,21 @@ panel.setSwitch("levels", parameters.levels);
 panel.setTolerance(parameters.tolerancePx);
 panel.setBudget(parameters.budget);
 
-/** For consoles and tests. Points are in the mesh's own space. */
+/** For consoles and tests. Points are in the page's space: that of a model whose y is up, unless it was moved. */
 const meshfront = {
   /** Resolves once the front is all that the view asks for, and drawn. */
-  settled: () => new Promise<FrameStats>((resolve) => waiting.push(() => resolve(object!.stats!))),
-  stats: () => object?.stats,
-  info: () => object?.info,
+  settled: () => new Promise<FrameStats>((resolve) => waiting.push(() => resolve(stats()!))),
+  stats,
+  /** Of the first model. */
+  info: () => shown[0]?.object.info,
   setCamera,
   setTolerance: (px: number) => { setTolerance(px); panel.setTolerance(px); },
   setBudget: (triangles: number) => { setBudget(triangles); panel.setBudget(triangles); },
   freeze: (on: boolean) => { freeze(on); panel.setSwitch("freeze", on); },
-  /** Flies once around the model in the worker, and tells what that took. */
-  flyBy: () => object?.engine?.flyBy(),
+  /** Flies once around the first model in the worker, and tells what that took. */
+  flyBy: () => shown[0]?.object.flyBy(),
   camera,
-  get object() { return object; },
+  get objects() { return shown.map(({ object }) => object); },
 };
 declare global {
   interface Window { meshfront: typeof meshfront }

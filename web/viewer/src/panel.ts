@@ -14,8 +14,8 @@ export interface Controls {
 export interface Panel {
   /** Shows numbers of the last frame. */
   show(stats: FrameStats): void;
-  /** Sets the sliders' ranges, once the model is known. */
-  setModel(info: ModelInfo): void;
+  /** Sets the sliders' ranges, once the models are known. */
+  setModels(infos: ModelInfo[]): void;
   setTolerance(px: number): void;
   setBudget(triangles: number): void;
   setSwitch(name: "freeze" | "wireframe" | "levels", on: boolean): void;
@@ -75,9 +75,9 @@ export function makePanel(controls: Controls): Panel {
       element("stat-evaluations").textContent = count(stats.evaluations);
       element("digest").textContent = `${count(stats.triangles)} triangles · ${round(stats.errorPx)} px`;
     },
-    setModel(info) {
-      base = Math.max(info.baseTriangles, 1);
-      full = Math.max(info.sourceTriangles, base);
+    setModels(infos) {
+      base = Math.max(infos.reduce((sum, { baseTriangles }) => sum + baseTriangles, 0), 1);
+      full = Math.max(infos.reduce((sum, { sourceTriangles }) => sum + sourceTriangles, 0), base);
     },
     setTolerance(px) {
       tolerance.value = String(Math.round(STEPS_PER_DECADE * Math.log10(Math.max(px, FINEST_PX) / FINEST_PX)));

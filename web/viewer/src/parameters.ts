@@ -1,7 +1,7 @@
 /** What the address of the page asks for, and what the server says of its model. */
 
 export interface Parameters {
-  model: string | undefined;
+  models: string[];
   tolerancePx: number;
   budget: number;
   eye: Point | undefined;
@@ -26,7 +26,7 @@ export function readParameters(search: string): Parameters {
     return parts.length === 3 && parts.every(Number.isFinite) ? (parts as Point) : undefined;
   };
   return {
-    model: query.get("model") ?? undefined,
+    models: query.getAll("model"),
     tolerancePx: number("tolerance", 1),
     budget: number("budget", Infinity),
     eye: point("eye"),
@@ -37,27 +37,47 @@ export function readParameters(search: string): Parameters {
   };
 }
 
-/** `model.json`: see `web/README.md`. */
+/** A model of the page. */
 export interface ModelCard {
   name: string;
+  /** The `.front` file, relative to the page. */
   url: string;
+  /** Size of the source before cleaning. */
   source?: { vertices: number; triangles: number };
-  credit?: string;
+  /** Where its origin is, in the page's space, whose y is up. */
+  at?: Point;
+  /** How many times larger it is shown than it is. */
+  scale?: number;
 }
 
-/** The card of the model that the address names, or else of the one that the server offers. */
-export async function readCard(model: string | undefined): Promise<ModelCard> {
-  if (model !== undefined) {
-    const file = model.split(/[?#]/)[0]!.split("/").pop()!;
-    return { name: file.replace(/\.front$/, "") || model, url: model };
+/** `model.json`: see `web/README.md`. */
+export interface Card {
+  name: string;
+  credit?: string;
+  models: ModelCard[];
+}
+
+/** The card of the models that the address names, or else of those that the server offers. */
+export async function readCard(models: string[]): Promise<Card> {
+  if (models.length > 0) {
+    const cards = models.map((url) => {
+      const file = url.split(/[?#]/)[0]!.split("/").pop()!;
+      return { name: file.replace(/\.front$/, "") || url, url };
+    });
+    return { name: cards.map(({ name }) => name).join(", "), models: cards };
   }
   // A page without a card may still lie beside a file.
   const response = await fetch("model.json").catch(() => undefined);
   const card: unknown = response?.ok ? await response.json().catch(() => undefined) : undefined;
-  return isCard(card) ? card : { name: "model", url: "model.front" };
+  return isCard(card) ? card : { name: "model", models: [{ name: "model", url: "model.front" }] };
 }
 
-function isCard(value: unknown): value is ModelCard {
-  const card = value as Partial<ModelCard> | undefined;
-  return typeof card === "object" && card !== null && typeof card.name === "string" && typeof card.url === "string";
+function isCard(value: unknown): value is Card {
+  const card = value as Partial<Card> | undefined | null;
+  return typeof card?.name === "string" && Array.isArray(card.models) && card.models.length > 0 && card.models.every(isModel);
+}
+
+function isModel(value: unknown): value is ModelCard {
+  const card = value as Partial<ModelCard> | undefined | null;
+  return typeof card?.name === "string" && typeof card.url === "string";
 }
