@@ -210,6 +210,9 @@ impl MultiTessellation for EdgeCollapse {
     fn base(&self) -> FrontMesh {
         FrontMesh::base(self)
     }
+    fn reset(&self, mesh: &mut FrontMesh) {
+        mesh.reset(self);
+    }
     #[inline]
     fn footprint(&self, m: UpdateId) -> Footprint {
         self.frame.unpack(&self.nodes[m.ix()].footprint)

@@ -88,6 +88,17 @@ impl TriangleBuffers {
     pub(crate) fn for_at_most(most: Most) -> TriangleBuffers {
         TriangleBuffers { most, ..TriangleBuffers::default() }
     }
+    /// Empty again, in the same memory.
+    pub(crate) fn clear(&mut self) {
+        self.positions.clear();
+        self.normals.clear();
+        self.colors.clear();
+        self.levels.clear();
+        self.triangles.clear();
+        self.free_vertices.clear();
+        self.free_triangles.clear();
+        self.clear_changes();
+    }
     pub(crate) fn most(&self) -> Most {
         self.most
     }

@@ -294,6 +294,9 @@ impl MultiTessellation for RightTriangles {
     fn base(&self) -> FrontMesh {
         FrontMesh::base(self)
     }
+    fn reset(&self, mesh: &mut FrontMesh) {
+        mesh.reset(self);
+    }
     #[inline]
     fn footprint(&self, m: UpdateId) -> Footprint {
         let site = self.lattice.site(m.0);
@@ -325,13 +328,8 @@ impl MultiTessellation for RightTriangles {
     }
     #[inline]
     fn children(&self, m: UpdateId, mut visit: impl FnMut(UpdateId)) {
-        let site = self.lattice.site(m.0);
-        if site.h == 1 && !site.diagonal {
-            return;
-        }
-        for [dx, dy] in site.middles_doubled() {
-            self.visit(site.x + dx / 2, site.y + dy / 2, &mut visit);
-        }
+        let middles = self.lattice.middles(&self.lattice.spot(m.0));
+        middles.into_iter().flatten().filter(|&id| self.is_update(id)).for_each(|id| visit(UpdateId(id)));
     }
     #[inline]
     fn ready_children(
@@ -341,15 +339,12 @@ impl MultiTessellation for RightTriangles {
         applied: impl Fn(UpdateId) -> bool,
         mut visit: impl FnMut(UpdateId),
     ) {
-        let site = self.lattice.site(m.0);
-        if site.h == 1 && !site.diagonal {
-            return;
-        }
-        for [dx, dy] in site.middles_doubled() {
-            // The middle of a new hypotenuse; what it needs besides m is as far beyond it as m is before it.
-            let other = self.lattice.id(site.x + dx, site.y + dy).filter(|&id| self.is_update(id));
-            if other.is_none_or(|id| applied(UpdateId(id))) {
-                self.visit(site.x + dx / 2, site.y + dy / 2, &mut visit);
+        let spot = self.lattice.spot(m.0);
+        // The middle of a new hypotenuse; what it needs besides m is as far beyond it as m is before it.
+        for (middle, beyond) in self.lattice.middles(&spot).into_iter().zip(self.lattice.beyond_middles(&spot)) {
+            let Some(middle) = middle.filter(|&id| self.is_update(id)) else { continue };
+            if beyond.is_none_or(|id| !self.is_update(id) || applied(UpdateId(id))) {
+                visit(UpdateId(middle));
             }
         }
     }
@@ -381,10 +376,8 @@ impl MultiTessellation for RightTriangles {
 impl RightTriangles {
     #[inline]
     fn for_needs(&self, m: UpdateId, mut visit: impl FnMut(UpdateId)) {
-        let site = self.lattice.site(m.0);
-        for [dx, dy] in site.apexes() {
-            self.visit(site.x + dx, site.y + dy, &mut visit);
-        }
+        let apexes = self.lattice.apexes(&self.lattice.spot(m.0));
+        apexes.into_iter().flatten().filter(|&id| self.is_update(id)).for_each(|id| visit(UpdateId(id)));
     }
 }
 

@@ -2,7 +2,8 @@
 
 use crate::live::grow;
 
-const NONE: u32 = u32::MAX;
+/// No slot.
+pub(super) const NONE: u32 = u32::MAX;
 /// Keys on a page: one cache line. What is near in number is near in place and size, so most pages in use are well
 /// filled.
 const PER_PAGE: usize = 16;
@@ -28,6 +29,13 @@ impl SlotTable {
         SlotTable { directory: vec![0; keys.div_ceil(PER_PAGE)], pages: vec![], free: NONE }
     }
 
+    /// Empty again, in the same memory.
+    pub fn reset(&mut self) {
+        self.directory.fill(0);
+        self.pages.clear();
+        self.free = NONE;
+    }
+
     #[inline]
     pub fn get(&self, key: usize) -> Option<u32> {
         let index = self.directory.get(key / PER_PAGE)?.wrapping_sub(1);
@@ -48,14 +56,41 @@ impl SlotTable {
     /// Forgets a key that is in the table.
     #[inline]
     pub fn clear(&mut self, key: usize) {
+        self.clear_keys::<1>(key);
+    }
+    /// Forgets four keys, the first a multiple of four.
+    #[inline]
+    pub fn clear_four(&mut self, first: usize) {
+        self.clear_keys::<4>(first);
+    }
+    #[inline]
+    fn clear_keys<const N: usize>(&mut self, key: usize) {
         let index = self.directory[key / PER_PAGE] - 1;
         let entries = &mut self.pages[index as usize].0;
-        entries[key % PER_PAGE] = NONE;
+        entries.as_chunks_mut::<N>().0[key % PER_PAGE / N] = [NONE; N];
         if *entries == [NONE; PER_PAGE] {
             entries[0] = self.free;
             self.free = index;
             self.directory[key / PER_PAGE] = 0;
         }
+    }
+
+    /// Four keys at once, the first a multiple of four. `None`: none of them is in the table.
+    #[inline]
+    pub fn four(&self, first: usize) -> Option<[u32; 4]> {
+        let index = self.directory[first / PER_PAGE].wrapping_sub(1);
+        let page = self.pages.get(index as usize)?;
+        Some(page.0.as_chunks::<4>().0[first % PER_PAGE / 4])
+    }
+    /// Sets four keys at once, the first a multiple of four; [`NONE`] ones are not in the table then. One at least is.
+    #[inline]
+    pub fn set_four(&mut self, first: usize, slots: [u32; 4]) {
+        let mut index = self.directory[first / PER_PAGE];
+        if index == 0 {
+            index = self.new_page() + 1;
+            self.directory[first / PER_PAGE] = index;
+        }
+        self.pages[index as usize - 1].0.as_chunks_mut::<4>().0[first % PER_PAGE / 4] = slots;
     }
 
     fn new_page(&mut self) -> u32 {

@@ -173,9 +173,9 @@ impl<H: MultiTessellation> Front<H> {
         front
     }
 
-    /// Back to the base mesh. The steps of the next call count from there.
+    /// Back to the base mesh, in the same memory. The steps of the next call count from there.
     pub fn reset(&mut self, h: &H) {
-        self.mesh = h.base();
+        h.reset(&mut self.mesh);
         self.steps.clear();
         self.applied.clear();
         self.applied_count = 0;

@@ -91,6 +91,10 @@ pub trait MultiTessellation {
     }
     /// The base mesh Γ₀, with no update applied.
     fn base(&self) -> Self::Mesh;
+    /// Makes a live mesh the base mesh again. Models that hold much memory keep it.
+    fn reset(&self, mesh: &mut Self::Mesh) {
+        *mesh = self.base();
+    }
     /// The footprint of an update.
     fn footprint(&self, m: UpdateId) -> Footprint;
     /// Visits every update that needs nothing.

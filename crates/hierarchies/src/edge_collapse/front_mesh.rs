@@ -101,23 +101,32 @@ pub(super) fn gap_triangle(star: &Star, sides: u32, gap: u8) -> Added {
 
 impl FrontMesh {
     pub(super) fn base(h: &EdgeCollapse) -> FrontMesh {
-        let mesh = &h.base;
         let mut front = FrontMesh {
             buffers: TriangleBuffers::for_at_most(h.most),
             vertices: vec![],
             links: vec![],
             slots: SlotTable::new(h.base_vertices() as usize + 2 * h.splits.len()),
         };
-        for v in 0..mesh.positions.len() as u32 {
-            front.new_vertex(VertexId(v), &h.vertex_look(VertexId(v), 0));
+        front.add_base(h);
+        front
+    }
+    pub(super) fn reset(&mut self, h: &EdgeCollapse) {
+        self.buffers.clear();
+        self.vertices.clear();
+        self.links.clear();
+        self.slots.reset();
+        self.add_base(h);
+    }
+    fn add_base(&mut self, h: &EdgeCollapse) {
+        for v in 0..h.base_vertices() {
+            self.new_vertex(VertexId(v), &h.vertex_look(VertexId(v), 0));
         }
-        for t in &mesh.triangles {
-            let slot = front.new_triangle(front.links.len() as u32, t.map(|v| v.0));
+        for t in &h.base.triangles {
+            let slot = self.new_triangle(self.links.len() as u32, t.map(|v| v.0));
             for k in 0..3 {
-                front.insert_sorted(t[k].0, slot << 2 | k as u32);
+                self.insert_sorted(t[k].0, slot << 2 | k as u32);
             }
         }
-        front
     }
 
     /// Number and corners of each live triangle, in slot order: the same triangle has the same number in all fronts.

@@ -1,7 +1,7 @@
 //! Errors, spheres and cones of all updates from the heights alone, fine to coarse.
 
 use super::base::{Base, Missing};
-use super::lattice::{Lattice, Site};
+use super::lattice::{Lattice, Site, Spot};
 use super::record::{self, Record};
 use super::{Columns, Corner, InvalidHeights, RightTriangles};
 use crate::parallel::for_chunks;
@@ -195,8 +195,9 @@ pub(super) fn derive(columns: Columns) -> Result<RightTriangles, InvalidHeights>
         let end = level.end as u32;
         for_chunks(&mut coarser[level.start..], CHUNK, |chunk, records| {
             for (i, record) in records.iter_mut().enumerate() {
-                let site = lattice.site((level.start + chunk * CHUNK + i) as u32);
-                *record = measure(&field, &lattice, &site, sides(&site), |id| &finer[(id - end) as usize]);
+                let spot = lattice.spot((level.start + chunk * CHUNK + i) as u32);
+                let below = |id| &finer[(id - end) as usize];
+                *record = measure(&field, &lattice, &spot, sides(&spot.site()), below);
             }
         });
     }
@@ -237,10 +238,11 @@ pub(super) fn derive(columns: Columns) -> Result<RightTriangles, InvalidHeights>
 fn measure<'a>(
     field: &Field,
     lattice: &Lattice,
-    site: &Site,
+    spot: &Spot,
     sides: [bool; 2],
     finer: impl Fn(u32) -> &'a Record,
 ) -> Record {
+    let site = &spot.site();
     let &Site { x, y, h, .. } = site;
     let height = field.at(x, y);
     if height.is_nan() {
@@ -268,9 +270,9 @@ fn measure<'a>(
         return record.measured(error, reach.sqrt(), spread.angle());
     }
     let (mut child_reach, mut child_radius, mut child_angle) = (0f32, 0f32, 0f32);
-    for [dx, dy] in site.middles_doubled().map(|way| way.map(|c| c / 2)) {
-        let Some(id) = lattice.id(x + dx, y + dy) else { continue };
-        let child = finer(id);
+    for ([dx, dy], id) in site.middles_doubled().into_iter().zip(lattice.middles(spot)) {
+        let Some(child) = id.map(&finer) else { continue };
+        let (dx, dy) = (dx / 2, dy / 2);
         if child.is_update() {
             error = greater(error, child.error());
             child_reach = greater(child_reach, squared(dx, dy, child.height));

@@ -6,7 +6,7 @@ use super::record::Record;
 use super::{Corner, RightTriangles};
 use crate::live::{TriangleBuffers, VertexLook, put, snorm16};
 use crate::model::LiveMesh;
-use crate::slot_table::SlotTable;
+use crate::slot_table::{NONE, SlotTable};
 use meshfront_refine::UpdateId;
 
 /// A front's live mesh.
@@ -27,13 +27,22 @@ impl FrontMesh {
             samples: vec![],
             slots: SlotTable::new(4 * h.records.len()),
         };
+        front.add_base(h);
+        front
+    }
+    pub(super) fn reset(&mut self, h: &RightTriangles) {
+        self.buffers.clear();
+        self.samples.clear();
+        self.slots.reset();
+        self.add_base(h);
+    }
+    fn add_base(&mut self, h: &RightTriangles) {
         for &Corner { sample: [x, y], ref record } in &h.corners {
-            front.new_vertex(h, x as i32, y as i32, record, 0);
+            self.new_vertex(h, x as i32, y as i32, record, 0);
         }
         for &corners in &h.base {
-            front.buffers.add_triangle(corners);
+            self.buffers.add_triangle(corners);
         }
-        front
     }
 
     /// The sample of each vertex slot: `row · columns + column` from the south-west. Free slots keep an old one.
@@ -54,59 +63,62 @@ impl FrontMesh {
         slot
     }
 
-    /// The slot of the triangle with its right angle at a step from v and its hypotenuse through v; `None`: not there.
+    /// The slot of the triangle with its right angle at a step from v, where `apex` is, and its hypotenuse through v; `None`: not
+    /// there.
     #[inline]
-    fn slot(&self, h: &RightTriangles, site: &Site, [dx, dy]: [i32; 2]) -> Option<u32> {
-        let apex = [site.x + dx, site.y + dy];
+    fn slot(&self, h: &RightTriangles, site: &Site, [dx, dy]: [i32; 2], apex: Option<u32>) -> Option<u32> {
         let quarter = quarter([-dx, -dy]);
-        match h.lattice.id(apex[0], apex[1]) {
+        match apex {
             Some(id) if h.is_update(id) => self.slots.get(4 * id as usize + quarter),
-            _ => h.base_slots.get(&(apex, quarter)).copied(),
+            _ => h.base_slots.get(&([site.x + dx, site.y + dy], quarter)).copied(),
         }
     }
 
     #[inline]
     pub(super) fn refine(&mut self, h: &RightTriangles, m: UpdateId) {
-        let site = h.lattice.site(m.0);
-        let level = (h.lattice.level_of(m.0) + 1).min(255) as u8;
+        let spot = h.lattice.spot(m.0);
+        let site = spot.site();
+        let level = (spot.level + 1).min(255) as u8;
         let v = self.new_vertex(h, site.x, site.y, &h.records[m.ix()], level);
-        for way in site.apexes() {
-            let Some(slot) = self.slot(h, &site, way) else { continue };
+        let mut around = [NONE; 4];
+        for (way, apex) in site.apexes().into_iter().zip(h.lattice.apexes(&spot)) {
+            let Some(slot) = self.slot(h, &site, way, apex) else { continue };
             let [a, b, c] = self.buffers.triangles[slot as usize];
             self.buffers.set_triangle(slot, [c, a, v]);
             let other = self.buffers.add_triangle([b, c, v]);
-            let [first, second] = halves(m, way);
-            self.slots.set(first, slot);
-            self.slots.set(second, other);
+            let [first, second] = halves(way);
+            (around[first], around[second]) = (slot, other);
         }
+        self.slots.set_four(4 * m.ix(), around);
     }
 
     #[inline]
     pub(super) fn coarsen(&mut self, h: &RightTriangles, m: UpdateId) {
         let site = h.lattice.site(m.0);
+        let around = self.slots.four(4 * m.ix()).expect("the engine coarsens only what is applied");
         let mut v = 0;
         for way in site.apexes().into_iter().rev() {
-            let [first, second] = halves(m, way);
-            let Some(slot) = self.slots.get(first) else { continue };
-            let other = self.slots.get(second).expect("both halves are there");
-            self.slots.clear(first);
-            self.slots.clear(second);
+            let [slot, other] = halves(way).map(|quarter| around[quarter]);
+            if slot == NONE {
+                continue;
+            }
             let [c, a, middle] = self.buffers.triangles[slot as usize];
             let [b, ..] = self.buffers.triangles[other as usize];
             self.buffers.remove_triangle(other);
             self.buffers.set_triangle(slot, [a, b, c]);
             v = middle;
         }
+        self.slots.clear_four(4 * m.ix());
         self.buffers.remove_vertex(v);
     }
 }
 
-/// Keys of the two halves of a triangle whose right angle is a step away: the first has its hypotenuse from there to
-/// where the hypotenuse began.
+/// Places of the two halves of a triangle whose right angle is a step away, among those around its update: the first has its
+/// hypotenuse from there to where the hypotenuse began.
 #[inline]
-fn halves(m: UpdateId, [dx, dy]: [i32; 2]) -> [usize; 2] {
+fn halves([dx, dy]: [i32; 2]) -> [usize; 2] {
     // Ends of the hypotenuse are at a right angle to the step: a = v + (−dy, dx), b = v + (dy, −dx).
-    [[dx - dy, dy + dx], [dx + dy, dy - dx]].map(|way| 4 * m.ix() + quarter(way))
+    [[dx - dy, dy + dx], [dx + dy, dy - dx]].map(quarter)
 }
 
 impl LiveMesh for FrontMesh {

@@ -85,6 +85,41 @@ struct Level {
     odd: u32,
     even: u32,
     diagonal: bool,
+    /// The last column and the last row of the field, in units of h.
+    most: [u32; 2],
+}
+
+impl Level {
+    /// The id of a sample of this level, by its column and row in units of h; `None` outside of the field.
+    #[inline]
+    fn id(&self, x: i32, y: i32) -> Option<u32> {
+        let (x, y) = (x as u32, y as u32);
+        if x > self.most[0] || y > self.most[1] {
+            return None;
+        }
+        let skipped = if self.diagonal { 0 } else { (y & 1) * self.odd };
+        Some(self.first + (y >> 1) * (self.odd + self.even) + skipped + (x >> 1))
+    }
+}
+
+/// A sample that an update stands for, as its neighbours are found from it.
+#[derive(Clone, Copy, Debug)]
+pub struct Spot {
+    /// Number of its level, from 0.
+    pub level: usize,
+    diagonal: bool,
+    h: i32,
+    /// Column and row in units of h.
+    x: i32,
+    y: i32,
+}
+
+impl Spot {
+    /// Where it is.
+    #[inline]
+    pub fn site(&self) -> Site {
+        Site { x: self.x * self.h, y: self.y * self.h, h: self.h, diagonal: self.diagonal }
+    }
 }
 
 /// Ids of samples: all of a field but those in corners of the square.
@@ -112,9 +147,10 @@ impl Lattice {
         while h > 0 {
             let odd = |most: u32| (most / h).div_ceil(2);
             let even = w / (2 * h) + 1;
-            levels.push(Level { first: len, h, odd: odd(w), even: 0, diagonal: true });
+            let most = [w / h, r / h];
+            levels.push(Level { first: len, h, odd: odd(w), even: 0, diagonal: true, most });
             len += odd(w) * odd(r);
-            levels.push(Level { first: len, h, odd: odd(w), even, diagonal: false });
+            levels.push(Level { first: len, h, odd: odd(w), even, diagonal: false, most });
             let lines = r / h + 1;
             len += lines / 2 * (odd(w) + even) + lines % 2 * odd(w);
             h /= 2;
@@ -160,10 +196,11 @@ impl Lattice {
         level
     }
 
-    /// The sample of an id.
+    /// The sample of an id, with its level.
     #[inline]
-    pub fn site(&self, id: u32) -> Site {
-        let Level { first, h, odd, even, diagonal } = self.levels[self.level_of(id)];
+    pub fn spot(&self, id: u32) -> Spot {
+        let level = self.level_of(id);
+        let Level { first, h, odd, even, diagonal, .. } = self.levels[level];
         let i = id - first;
         let pair = odd + even;
         let (line, column) = (i / pair, i % pair);
@@ -172,7 +209,59 @@ impl Lattice {
             (false, true) => (2 * column + 1, 2 * line),
             (false, false) => (2 * (column - odd), 2 * line + 1),
         };
-        Site { x: (x * h) as i32, y: (y * h) as i32, h: h as i32, diagonal }
+        Spot { level, diagonal, h: h as i32, x: x as i32, y: y as i32 }
+    }
+    /// The sample of an id.
+    #[inline]
+    pub fn site(&self, id: u32) -> Site {
+        self.spot(id).site()
+    }
+
+    // The triangles of a level are made by the updates of the level before: so neighbours are found without a search. All are in
+    // the order of the steps of a `Site`; `None` are corners of the square and what is outside of the field.
+
+    /// Ids at [`Site::apexes`].
+    #[inline]
+    pub fn apexes(&self, at: &Spot) -> [Option<u32>; 2] {
+        let Some(level) = at.level.checked_sub(1).map(|level| &self.levels[level]) else { return [None; 2] };
+        let Spot { x, y, .. } = *at;
+        if at.diagonal {
+            let odd = (x >> 1) + (y >> 1) & 1 == 1;
+            let (west, south) = (x >> 1, y >> 1);
+            let (east, north) = (west + 1, south + 1);
+            if odd {
+                [level.id(west, south), level.id(east, north)]
+            } else {
+                [level.id(east, south), level.id(west, north)]
+            }
+        } else if x & 1 == 1 {
+            [level.id(x, y - 1), level.id(x, y + 1)]
+        } else {
+            [level.id(x - 1, y), level.id(x + 1, y)]
+        }
+    }
+    /// Ids at the halves of [`Site::middles_doubled`]; none for the finest.
+    #[inline]
+    pub fn middles(&self, at: &Spot) -> [Option<u32>; 4] {
+        let Some(level) = self.levels.get(at.level + 1) else { return [None; 4] };
+        let Spot { x, y, .. } = *at;
+        if at.diagonal {
+            [level.id(x - 1, y), level.id(x + 1, y), level.id(x, y - 1), level.id(x, y + 1)]
+        } else {
+            let (x, y) = (2 * x, 2 * y);
+            [level.id(x - 1, y - 1), level.id(x + 1, y - 1), level.id(x - 1, y + 1), level.id(x + 1, y + 1)]
+        }
+    }
+    /// Ids at [`Site::middles_doubled`]: what an update at the middle needs besides.
+    #[inline]
+    pub fn beyond_middles(&self, at: &Spot) -> [Option<u32>; 4] {
+        let level = &self.levels[at.level];
+        let Spot { x, y, .. } = *at;
+        if at.diagonal {
+            [level.id(x - 2, y), level.id(x + 2, y), level.id(x, y - 2), level.id(x, y + 2)]
+        } else {
+            [level.id(x - 1, y - 1), level.id(x + 1, y - 1), level.id(x - 1, y + 1), level.id(x + 1, y + 1)]
+        }
     }
 
     /// Whether a sample is one of the field.
@@ -193,15 +282,14 @@ impl Lattice {
         if !self.contains(x, y) {
             return None;
         }
-        let h = 1u32 << (x | y | self.side).trailing_zeros();
-        if h as i32 == self.side {
+        let h = 1 << (x | y | self.side).trailing_zeros();
+        if h == self.side {
             return None;
         }
-        let (x, y) = (x as u32 / h, y as u32 / h);
+        let (x, y) = (x / h, y / h);
         let diagonal = x & y & 1 == 1;
-        let at = 2 * ((self.side as u32 / 2).trailing_zeros() - h.trailing_zeros()) as usize + usize::from(!diagonal);
-        let Level { first, odd, even, .. } = self.levels[at];
-        Some(first + y / 2 * (odd + even) + if !diagonal && y & 1 == 1 { odd + x / 2 } else { x / 2 })
+        let at = 2 * ((self.side / 2).trailing_zeros() - h.trailing_zeros()) as usize + usize::from(!diagonal);
+        self.levels[at].id(x, y)
     }
 }
 
@@ -225,6 +313,13 @@ mod tests {
                     let site = lattice.site(id);
                     assert_eq!((site.x, site.y), (x, y), "{id} of {columns} × {rows}");
                     assert_eq!(lattice.site_at(x, y), Some(site));
+                    let spot = lattice.spot(id);
+                    let at = |[dx, dy]: [i32; 2]| lattice.id(x + dx, y + dy);
+                    assert_eq!(lattice.apexes(&spot), site.apexes().map(at));
+                    let finest = site.h == 1 && !site.diagonal;
+                    let middles = site.middles_doubled().map(|way| at(way.map(|c| c / 2)).filter(|_| !finest));
+                    assert_eq!(lattice.middles(&spot), middles, "{site:?}");
+                    assert_eq!(lattice.beyond_middles(&spot), site.middles_doubled().map(at), "{site:?}");
                     for [dx, dy] in site.apexes() {
                         if let Some(need) = lattice.id(x + dx, y + dy) {
                             assert!(need < id);
