@@ -226,7 +226,7 @@ impl Lattice {
         let Some(level) = at.level.checked_sub(1).map(|level| &self.levels[level]) else { return [None; 2] };
         let Spot { x, y, .. } = *at;
         if at.diagonal {
-            let odd = (x >> 1) + (y >> 1) & 1 == 1;
+            let odd = ((x >> 1) + (y >> 1)) & 1 == 1;
             let (west, south) = (x >> 1, y >> 1);
             let (east, north) = (west + 1, south + 1);
             if odd {
