@@ -691,6 +691,9 @@ fn decode_opened(opened: &Opened) -> Result<Columns, Fault> {
     Ok(Columns { grid, base, vertex, sides, explicit, positions, normals, colors, errors, floor_error, source })
 }
 
+/// Integers of two points.
+pub(crate) type Indices = [[u32; 3]; 2];
+
 /// The columns that all models of splits have.
 pub(crate) struct Unpacked {
     pub base: TriangleMesh,
@@ -700,7 +703,7 @@ pub(crate) struct Unpacked {
     pub errors: Vec<f32>,
     pub positions: Vec<[Vec3; 2]>,
     /// Integers of u and v.
-    pub indices: Vec<[[u32; 3]; 2]>,
+    pub indices: Vec<Indices>,
     pub normals: Vec<[Oct; 2]>,
     pub colors: Vec<[[u8; 4]; 2]>,
 }
@@ -767,7 +770,7 @@ fn sum_positions(
     vertex: &[VertexId],
     base: &[[u32; 3]],
     mut residuals: Vec<page::Residuals>,
-) -> Result<(Vec<[Vec3; 2]>, Vec<[[u32; 3]; 2]>), Fault> {
+) -> Result<(Vec<[Vec3; 2]>, Vec<Indices>), Fault> {
     let lattice = Lattice::new(meta.grid);
     let mut positions = vec![[Vec3::ZERO; 2]; meta.updates];
     for row in rows {

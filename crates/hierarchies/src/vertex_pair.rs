@@ -32,10 +32,10 @@
 //! had; nothing is folded over that was not then, and the star of s at its split is the star that it had then: an error
 //! measured at build time holds in all fronts.
 //!
-//! One thing the live triangles do not show: where all triangles on an edge of the source have lost a corner, the two nodes
-//! at its ends are still neighbours, though nothing is drawn between them. Were they forgotten, either could be split
-//! ahead, and the triangles would come back as nothing has seen them. The few such *hidden* needs are found by the replay, and
-//! stored: none on surfaces whose topology stays. Everything else is read off the live mesh.
+//! One thing the live triangles do not show. A split brings triangles whose third corner w is another node. It must be the
+//! one that was there at the merge; but where no other triangle joins s and w, nobody sees that they are neighbours.
+//! Such *hidden* needs are found by the replay and stored: the split needs what made w, and the split of w needs this one. On
+//! surfaces whose topology stays there are none. The way back has no such case: what was split is live, and seen.
 //!
 //! [`Columns`] is what is stored; [`VertexPair::new`] validates it and derives what follows from it: the order of leaves,
 //! bounding spheres, normal cones, hidden needs, vertex normals.
@@ -61,7 +61,7 @@ pub use forest::Forest;
 pub use front_mesh::FrontMesh;
 
 /// The hierarchy in memory: 60 bytes per update at 16 bits and 12 per triangle of the source, which is 84 bytes per update on
-/// surfaces, without source colours; 16 for each hidden need.
+/// surfaces, without source colours; 8 for each hidden need.
 #[derive(Clone, Debug)]
 pub struct VertexPair {
     base: TriangleMesh,
@@ -81,8 +81,6 @@ pub struct VertexPair {
     frame: Frame,
     /// An update, and one that it needs though no live triangle shows it. Ascending.
     hidden: Vec<[UpdateId; 2]>,
-    /// The same, the needed one first. Ascending.
-    hidden_back: Vec<[UpdateId; 2]>,
     floor_error: f32,
     source: SourceCounts,
 }
@@ -246,12 +244,6 @@ impl VertexPair {
     }
 }
 
-/// The partners of an update in pairs that ascend.
-fn partners(pairs: &[[UpdateId; 2]], m: UpdateId) -> impl Iterator<Item = UpdateId> {
-    let from = pairs.partition_point(|pair| pair[0] < m);
-    pairs[from..].iter().take_while(move |pair| pair[0] == m).map(|pair| pair[1])
-}
-
 impl MultiTessellation for VertexPair {
     type Mesh = FrontMesh;
     const READS_MESH: bool = true;
@@ -284,7 +276,8 @@ impl MultiTessellation for VertexPair {
                 .map(UpdateId)
                 .for_each(&mut visit);
         }
-        partners(&self.hidden, m).for_each(visit);
+        let hidden = self.hidden[self.hidden.partition_point(|pair| pair[0] < m)..].iter();
+        hidden.take_while(|pair| pair[0] == m).for_each(|pair| visit(pair[1]));
     }
     #[inline]
     fn needed_by(&self, mesh: &FrontMesh, m: UpdateId, mut visit: impl FnMut(UpdateId)) {
@@ -297,7 +290,6 @@ impl MultiTessellation for VertexPair {
             let split = children.into_iter().filter(|&key| mesh.slot(key).is_none());
             split.filter_map(|key| self.splitter(key)).for_each(&mut visit);
         }
-        partners(&self.hidden_back, m).for_each(visit);
     }
     #[inline]
     fn refine(&self, mesh: &mut FrontMesh, m: UpdateId) {
@@ -347,7 +339,6 @@ impl TriangleModel for VertexPair {
             + size_of_val(&self.costs[..])
             + size_of_val(&self.footprints[..])
             + size_of_val(&self.hidden[..])
-            + size_of_val(&self.hidden_back[..])
             + size_of_val(&self.base_normals[..])
             + base_bytes(&self.base)
     }

@@ -11,7 +11,6 @@ use crate::quantize::{Oct, Places};
 use glam::Vec3;
 use meshfront_mesh::Bounds;
 use meshfront_refine::{Footprint, MultiTessellation, UpdateId};
-use std::collections::HashMap;
 
 /// How many direct needs an update or a triangle may have on the average of the whole. Surfaces have three or four per update;
 /// what has more would take memory out of proportion.
@@ -75,7 +74,6 @@ fn undecorated(c: Columns) -> Result<VertexPair, InvalidColumns> {
         footprints: c.errors.iter().map(|&error| PackedFootprint::of_error(error)).collect(),
         frame,
         hidden: vec![],
-        hidden_back: vec![],
         floor_error: c.floor_error,
         source: c.source,
     })
@@ -148,13 +146,13 @@ impl Dependents {
 /// Undoes all splits, last first: at each the star is what it was when the source was merged. Yields footprints, costs
 /// and hidden needs.
 ///
-/// An update needs those that made s and the neighbours of s, hidden ones too. A neighbour that is older than s was one of the
-/// node that s came from, so what made it is needed by what made s: only younger ones need a list.
+/// An update needs those that made s, the neighbours of s, and the third corners of the triangles that it adds. A neighbour
+/// that is older than s was one of the node that s came from, or such a third corner, so what made it is needed by what
+/// made s: only younger ones need a list.
 fn undo_all(h: &mut VertexPair, mut front: FrontMesh) -> Result<(), InvalidColumns> {
     let updates = h.splits.len();
     let most_needs = MOST_NEEDS * (updates + h.triangles.len());
     let mut dependents = Dependents { heads: vec![NONE; updates], entries: vec![], free: NONE, count: 0 };
-    let mut hidden = Hidden::default();
     let (mut cells, mut ring, mut thirds, mut makers) = (vec![], vec![], vec![], vec![]);
     let mut below: Vec<Footprint> = vec![];
     for m in (0..updates as u32).rev() {
@@ -194,16 +192,17 @@ fn undo_all(h: &mut VertexPair, mut front: FrontMesh) -> Result<(), InvalidColum
         ring.sort_unstable();
         ring.dedup();
 
-        hidden.merge(u, v, &thirds, &ring);
-        for &x in hidden.of(u) {
-            if let Some(later) = h.splitter(front.key(x)) {
-                h.hidden.push([later, id]);
-            }
+        thirds.sort_unstable();
+        thirds.dedup();
+        thirds.retain(|x| ring.binary_search(x).is_err());
+        for &w in &thirds {
+            h.hidden.extend(front.maker(w).map(|earlier| [id, earlier]));
+            h.hidden.extend(h.splitter(front.key(w)).map(|later| [later, id]));
         }
         makers.clear();
         let parent = h.parent(id);
-        let around = ring.iter().chain(hidden.of(u)).filter_map(|&x| front.maker(x));
-        makers.extend(around.filter(|&maker| Some(maker) > parent).chain(parent));
+        let younger = ring.iter().filter_map(|&x| front.maker(x)).filter(|&maker| Some(maker) > parent);
+        makers.extend(younger.chain(thirds.iter().filter_map(|&w| front.maker(w))).chain(parent));
         makers.sort_unstable();
         makers.dedup();
         for &n in &makers {
@@ -226,43 +225,9 @@ fn undo_all(h: &mut VertexPair, mut front: FrontMesh) -> Result<(), InvalidColum
         h.footprints[id.ix()] = h.frame.nest(h.error(id), &Cells::of(cells.iter().copied()), below.iter().copied());
     }
     h.hidden.sort_unstable();
+    h.hidden.dedup();
     h.hidden.shrink_to_fit();
-    h.hidden_back = h.hidden.iter().map(|&[later, earlier]| [earlier, later]).collect();
-    h.hidden_back.sort_unstable();
     Ok(())
-}
-
-/// Neighbours that no live triangle shows, by slot.
-#[derive(Default)]
-struct Hidden(HashMap<u32, Vec<u32>>);
-
-impl Hidden {
-    fn of(&self, slot: u32) -> &[u32] {
-        self.0.get(&slot).map_or(&[], |list| list)
-    }
-    /// Node v goes into the slot u. `thirds`: the third corners of the triangles that went; `ring`: who is seen around
-    /// u now, ascending.
-    fn merge(&mut self, u: u32, v: u32, thirds: &[u32], ring: &[u32]) {
-        let (mut at_u, at_v) = (self.0.remove(&u).unwrap_or_default(), self.0.remove(&v).unwrap_or_default());
-        if at_u.is_empty() && at_v.is_empty() && thirds.iter().all(|x| ring.binary_search(x).is_ok()) {
-            return;
-        }
-        for (&x, old) in at_u.iter().map(|x| (x, u)).chain(at_v.iter().map(|x| (x, v))) {
-            if let Some(list) = self.0.get_mut(&x) {
-                list.retain(|&y| y != old);
-            }
-        }
-        at_u.extend(at_v.iter().chain(thirds));
-        at_u.sort_unstable();
-        at_u.dedup();
-        at_u.retain(|x| *x != u && *x != v && ring.binary_search(x).is_err());
-        for &x in &at_u {
-            self.0.entry(x).or_default().push(u);
-        }
-        if !at_u.is_empty() {
-            self.0.insert(u, at_u);
-        }
-    }
 }
 
 #[cfg(test)]
@@ -336,7 +301,7 @@ mod tests {
     /// A triangle a b c, and vertices e and f without any. b and c merge, then a and e, then what was b and c with f: from
     /// the first merge on nothing is seen of the triangle.
     #[test]
-    fn nothing_is_undone_below_a_hidden_neighbour() {
+    fn third_corners_are_there_first() {
         let p = |x: f32| Vec3::new(x, x * x, 0.0);
         let columns = Columns {
             base: TriangleMesh { positions: vec![p(0.0), p(1.0)], ..TriangleMesh::default() },
@@ -349,18 +314,17 @@ mod tests {
         };
         let h = VertexPair::new(columns).expect("a hierarchy");
         let [split_f, split_e, split_bc] = [0, 1, 2].map(UpdateId);
-        assert_eq!(h.hidden_needs(), [[split_e, split_f], [split_bc, split_e]]);
+        assert_eq!(h.hidden_needs(), [[split_bc, split_e]]);
         let mut mesh = h.base();
-        let needed_by = |mesh: &FrontMesh, m| {
-            let mut by = vec![];
-            h.needed_by(mesh, m, |n| by.push(n));
-            by
-        };
         h.refine(&mut mesh, split_f);
+        let mut needs = vec![];
+        h.needs(&mesh, split_bc, |n| needs.push(n));
+        assert_eq!(needs, [split_e]);
         h.refine(&mut mesh, split_e);
-        assert_eq!(needed_by(&mesh, split_f), [split_e]);
         h.refine(&mut mesh, split_bc);
         assert_eq!(h.cells(&mesh), 1);
-        assert!(needed_by(&mesh, split_e).iter().all(|&m| m == split_bc));
+        let mut needed_by = vec![];
+        h.needed_by(&mesh, split_e, |n| needed_by.push(n));
+        assert!(!needed_by.is_empty() && needed_by.iter().all(|&m| m == split_bc));
     }
 }
