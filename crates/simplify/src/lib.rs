@@ -1,6 +1,8 @@
 //! From a source mesh to a multiresolution hierarchy: one module per model, costs in [`metrics`].
 
+mod delaunay;
 pub mod edge_collapse;
+mod link;
 mod measure;
 pub mod metrics;
 mod order;
@@ -10,7 +12,7 @@ pub mod vertex_removal;
 
 pub use edge_collapse::{EdgeCollapseOptions, edge_collapse, edge_collapse_columns};
 pub use right_triangles::{RightTrianglesOptions, right_triangles, right_triangles_columns};
-pub use vertex_pair::{VertexPairOptions, vertex_pair_columns};
+pub use vertex_pair::{Pairs, VertexPairOptions, vertex_pair_columns};
 pub use vertex_removal::{VertexRemovalOptions, vertex_removal, vertex_removal_columns};
 
 use meshfront_mesh::{TriangleMesh, VertexId};

@@ -11,6 +11,7 @@
 mod arrange;
 mod merge;
 mod trail;
+mod virtual_edges;
 
 use crate::measure::measure;
 use crate::metrics::{Length, MetricChoice, Quadrics};
@@ -28,11 +29,35 @@ pub struct VertexPairOptions {
     pub base_triangles: usize,
     /// What a merge costs.
     pub metric: MetricChoice,
+    /// Which pairs go first.
+    pub pairs: Pairs,
+    /// Patches grow for as long as the mean normals of two neighbours differ by less, radians.
+    pub patch_angle: f32,
+    /// The longest virtual edge, as a share of the diagonal; 0: none.
+    pub longest_virtual: f32,
+}
+
+/// How merges that change the topology stand to those that do not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pairs {
+    /// First the geometry: for as long as there is an edge that may be collapsed without a change of topology, nothing else
+    /// merges. Then the topology: all pairs that are left, by their cost.
+    GeometryFirst,
+    /// All pairs by their cost, whatever they do to the topology.
+    #[default]
+    Equal,
 }
 
 impl Default for VertexPairOptions {
     fn default() -> Self {
-        VertexPairOptions { bits: Some(16), base_triangles: 20, metric: MetricChoice::Quadric }
+        VertexPairOptions {
+            bits: Some(16),
+            base_triangles: 20,
+            metric: MetricChoice::Quadric,
+            pairs: Pairs::Equal,
+            patch_angle: 0.5,
+            longest_virtual: 0.1,
+        }
     }
 }
 

@@ -1,6 +1,8 @@
 //! The merging of a whole mesh, cheapest pair first, and the record of it.
 
-use super::VertexPairOptions;
+use super::virtual_edges::virtual_edges;
+use super::{Pairs, VertexPairOptions};
+use crate::link::{Link, count_neighbours, fans};
 use crate::metrics::{End, Metric};
 use crate::{BuildError, Progress};
 use glam::Vec3;
@@ -113,15 +115,23 @@ pub(super) fn merge<M: Metric>(
     let count = source.triangles.len();
     progress.phase("simplify", "triangles", count as u64);
     let mut mesh = Mesh::new(source, grid, metric);
-    let mut queue: BinaryHeap<Waiting> = mesh.edges().into_par_iter().map(|[u, v]| mesh.waiting(u, v, 0)).collect();
-    // Pairs that would leave a star empty or too large; what stands in their way may go.
+    let diagonal = source.bounds().map_or(0.0, |b| b.diagonal());
+    mesh.join(virtual_edges(source, options.patch_angle, options.longest_virtual * diagonal));
+    if progress.cancelled() {
+        return Err(BuildError::Cancelled);
+    }
+    let first = mesh.pairs();
+    let mut queue: BinaryHeap<Waiting> = first.into_par_iter().map(|[u, v]| mesh.waiting(u, v, 0)).collect();
+    let mut keeps_topology = options.pairs == Pairs::GeometryFirst;
+    // Pairs that may not merge yet; what stands in their way may go.
     let mut refused: Vec<[u32; 2]> = vec![];
     let mut progressed = false;
     let mut step = Step::default();
+    let mut near = vec![];
     let mut told = mesh.alive;
     while mesh.alive > options.base_triangles {
         let Some(Reverse((_, guard, u, v))) = queue.pop() else {
-            if !std::mem::take(&mut progressed) {
+            if !std::mem::take(&mut progressed) && !std::mem::take(&mut keeps_topology) {
                 break;
             }
             let again = std::mem::take(&mut refused);
@@ -131,7 +141,7 @@ pub(super) fn merge<M: Metric>(
         if !mesh.live([u, v]) {
             continue;
         }
-        if !step.gather(&mesh, u, v) {
+        if !step.gather(&mesh, u, v) || keeps_topology && !step.keeps_topology(&mesh, u, v) {
             refused.push([u, v]);
             continue;
         }
@@ -147,7 +157,8 @@ pub(super) fn merge<M: Metric>(
             s = mesh.apply(&step, s, w, at);
         }
         progressed = true;
-        queue.extend(step.ring.iter().map(|&x| mesh.waiting(s, x, 0)));
+        mesh.neighbours(s, &step.ring, &mut near);
+        queue.extend(near.iter().map(|&x| mesh.waiting(s, x, 0)));
         if told - mesh.alive >= 4096 {
             progress.at((count - mesh.alive) as u64);
             if progress.cancelled() {
@@ -166,6 +177,8 @@ struct Mesh<'a, M: Metric> {
     memory: Vec<M::Memory>,
     /// Per node: what it was merged into.
     parent: Vec<u32>,
+    /// Per node: those that it may merge with though no edge joins them, maybe since merged with others.
+    virtual_edges: Vec<Vec<u32>>,
     /// Per triangle: the nodes at its corners; `NONE` where it is gone.
     triangles: Vec<[u32; 3]>,
     /// Triangles of the source's vertices, end to end.
@@ -208,7 +221,9 @@ impl<'a, M: Metric> Mesh<'a, M> {
         };
         let alive = triangles.len();
         let parent = vec![NONE; n];
-        let mut mesh = Mesh { metric, grid, memory: vec![], parent, triangles, around, first, alive, record };
+        let virtual_edges = vec![vec![]; n];
+        let mut mesh =
+            Mesh { metric, grid, memory: vec![], parent, virtual_edges, triangles, around, first, alive, record };
         let leaves = (0..n as u32).into_par_iter().map(|v| mesh.leaf(&source.positions, v));
         (mesh.memory, mesh.record.rim) = leaves.unzip();
         mesh
@@ -266,15 +281,49 @@ impl<'a, M: Metric> Mesh<'a, M> {
         End { at: self.at(v), memory: self.memory[v as usize] }
     }
 
-    /// All edges, each once, in a fixed order.
-    fn edges(&self) -> Vec<[u32; 2]> {
+    /// Takes in virtual edges between the source's vertices, given ascending.
+    fn join(&mut self, edges: Vec<[u32; 2]>) {
+        for [u, v] in edges {
+            self.virtual_edges[u as usize].push(v);
+            self.virtual_edges[v as usize].push(u);
+        }
+    }
+
+    /// All pairs of source vertices that may merge, each once, in a fixed order.
+    fn pairs(&self) -> Vec<[u32; 2]> {
         let more = |v: u32| {
-            let mut more: Vec<u32> = self.triangles_of(v).flat_map(|t| self.others(t, v)).filter(|&x| x > v).collect();
+            let edges = self.triangles_of(v).flat_map(|t| self.others(t, v));
+            let both = edges.chain(self.virtual_edges[v as usize].iter().copied());
+            let mut more: Vec<u32> = both.filter(|&x| x > v).collect();
             more.sort_unstable();
             more.dedup();
             more.into_iter().map(move |x| [v, x])
         };
         (0..self.record.leaves).into_par_iter().flat_map_iter(more).collect()
+    }
+
+    /// What a node was merged into, itself where it lives.
+    fn root(&mut self, mut v: u32) -> u32 {
+        while self.parent[v as usize] != NONE {
+            let up = self.parent[v as usize];
+            if self.parent[up as usize] != NONE {
+                self.parent[v as usize] = self.parent[up as usize];
+            }
+            v = up;
+        }
+        v
+    }
+
+    /// Tells with whom a new node may merge: those of its ring, and those that its two had as virtual neighbours.
+    fn neighbours(&mut self, s: u32, ring: &[u32], near: &mut Vec<u32>) {
+        let mut list = std::mem::take(&mut self.virtual_edges[s as usize]);
+        list.iter_mut().for_each(|x| *x = self.root(*x));
+        list.sort_unstable();
+        list.dedup();
+        list.retain(|&x| x != s && ring.binary_search(&x).is_err());
+        near.clear();
+        near.extend(ring.iter().chain(&list));
+        self.virtual_edges[s as usize] = list;
     }
 
     /// A pair with what it costs under a guard.
@@ -299,6 +348,11 @@ impl<'a, M: Metric> Mesh<'a, M> {
             corners.iter_mut().filter(|c| **c == old).for_each(|c| *c = s);
             self.record.star.push(StarTriangle { triangle, after, before });
         }
+        let mut list = std::mem::take(&mut self.virtual_edges[u as usize]);
+        list.append(&mut self.virtual_edges[v as usize]);
+        // What was an edge stays a pair.
+        list.extend(step.gone.iter().flat_map(|&t| self.triangles[t as usize]));
+        self.virtual_edges.push(list);
         for &triangle in &step.gone {
             let corners = std::mem::replace(&mut self.triangles[triangle as usize], [NONE; 3]);
             self.record.removed.push(Removed { triangle, corners });
@@ -374,6 +428,31 @@ impl Step {
         orphans.dedup();
         orphans.retain(|&w| mesh.triangles_of(w).all(|t| gone.contains(&t)));
         true
+    }
+
+    /// Whether merging the pair as gathered would keep the topology as it is.
+    fn keeps_topology<M: Metric>(&self, mesh: &Mesh<M>, u: u32, v: u32) -> bool {
+        let mut shared = vec![];
+        let (mut stay, mut near) = ([vec![], vec![]], [vec![], vec![]]);
+        let mut ties = [false; 2];
+        for (k, x, other) in [(0, u, v), (1, v, u)] {
+            let mut edges = vec![];
+            for t in mesh.triangles_of(x) {
+                let [after, before] = mesh.others(t, x);
+                if after != other && before != other {
+                    stay[k].push((t, after, before));
+                } else if k == 0 {
+                    shared.push(if after == v { (t, before, true) } else { (t, after, false) });
+                }
+                edges.push([after, before]);
+                count_neighbours(&mut near[k], (after, before));
+            }
+            ties[k] = fans(&mut edges) > 1;
+        }
+        let [stay_u, stay_v] = &stay;
+        let [near_u, near_v] = &near;
+        let link = Link { pair: [u, v], stay: [stay_u, stay_v], shared: &shared, near: [near_u, near_v], ties };
+        link.merges().is_some()
     }
 
     /// The cheapest place under which no triangle that stays flips or becomes a worse sliver than a guard allows; with the last
