@@ -10,6 +10,7 @@
 
 mod arrange;
 mod merge;
+mod samples;
 mod trail;
 mod virtual_edges;
 

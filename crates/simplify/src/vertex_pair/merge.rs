@@ -1,5 +1,6 @@
 //! The merging of a whole mesh, cheapest pair first, and the record of it.
 
+use super::samples::{Samples, distance};
 use super::virtual_edges::virtual_edges;
 use super::{Pairs, VertexPairOptions};
 use crate::link::{Link, count_neighbours, fans};
@@ -98,6 +99,8 @@ const GUARDS: [Guard; 4] = [
     Guard { cos: -0.5, shape: 0.0, fine: 0.2 },
     Guard { cos: -1.0, shape: 0.0, fine: 1.0 },
 ];
+/// By what factor a squared distance may be above what is due.
+const PATIENCE: f32 = 1.05;
 /// Below this, a triangle's shape makes it a sliver.
 const SLIVER: f32 = 0.06;
 
@@ -130,7 +133,7 @@ pub(super) fn merge<M: Metric>(
     let mut near = vec![];
     let mut told = mesh.alive;
     while mesh.alive > options.base_triangles {
-        let Some(Reverse((_, guard, u, v))) = queue.pop() else {
+        let Some(Reverse((due, guard, u, v))) = queue.pop() else {
             if !std::mem::take(&mut progressed) && !std::mem::take(&mut keeps_topology) {
                 break;
             }
@@ -149,6 +152,12 @@ pub(super) fn merge<M: Metric>(
             queue.push(mesh.waiting(u, v, guard + 1));
             continue;
         };
+        // A merge waits until it is due to move points of the source as far as it would.
+        let far = step.farthest(&mesh, point);
+        if far > f32::from_bits(due) * PATIENCE {
+            queue.push(Reverse((far.to_bits(), guard, u, v)));
+            continue;
+        }
         let mut s = mesh.apply(&step, u, v, point);
         // Who lost all triangles goes to where they went.
         for w in std::mem::take(&mut step.orphans) {
@@ -187,6 +196,7 @@ struct Mesh<'a, M: Metric> {
     first: Vec<u32>,
     /// Number of triangles that are left.
     alive: usize,
+    samples: Samples,
     record: Record,
 }
 
@@ -222,8 +232,20 @@ impl<'a, M: Metric> Mesh<'a, M> {
         let alive = triangles.len();
         let parent = vec![NONE; n];
         let virtual_edges = vec![vec![]; n];
-        let mut mesh =
-            Mesh { metric, grid, memory: vec![], parent, virtual_edges, triangles, around, first, alive, record };
+        let samples = Samples::new(&source.positions, &triangles);
+        let mut mesh = Mesh {
+            metric,
+            grid,
+            memory: vec![],
+            parent,
+            virtual_edges,
+            triangles,
+            around,
+            first,
+            alive,
+            samples,
+            record,
+        };
         let leaves = (0..n as u32).into_par_iter().map(|v| mesh.leaf(&source.positions, v));
         (mesh.memory, mesh.record.rim) = leaves.unzip();
         mesh
@@ -358,6 +380,7 @@ impl<'a, M: Metric> Mesh<'a, M> {
             self.record.removed.push(Removed { triangle, corners });
         }
         self.alive -= step.gone.len();
+        self.share(step, point);
         self.record.carry([u, v], point);
         self.record.merges.push(Merge {
             u,
@@ -366,6 +389,22 @@ impl<'a, M: Metric> Mesh<'a, M> {
             removed_end: self.record.removed.len() as u32,
         });
         s
+    }
+
+    /// Hands the samples around a pair on to the triangles that stay.
+    fn share(&mut self, step: &Step, point: Vec3) {
+        let cells: Vec<[Vec3; 3]> = step.cells(self, point).collect();
+        let all: Vec<u32> = step.triangles().flat_map(|t| self.samples.of(t)).collect();
+        let mut on = vec![vec![]; cells.len()];
+        for v in all {
+            let p = self.samples.at(v);
+            let far = cells.iter().enumerate().map(|(k, cell)| (distance(p, *cell), k));
+            let (far, k) = far.min_by(|a, b| a.0.total_cmp(&b.0)).expect("a star is not empty");
+            on[k].push((far, v));
+        }
+        for (mut on, stay) in on.into_iter().zip(&step.stay) {
+            self.samples.put(stay.0, &mut on);
+        }
     }
 
     fn finish(self) -> Record {
@@ -453,6 +492,38 @@ impl Step {
         let [near_u, near_v] = &near;
         let link = Link { pair: [u, v], stay: [stay_u, stay_v], shared: &shared, near: [near_u, near_v], ties };
         link.merges().is_some()
+    }
+
+    /// All triangles around a pair as gathered.
+    fn triangles(&self) -> impl Iterator<Item = u32> {
+        self.stay.iter().map(|s| s.0).chain(self.gone.iter().copied())
+    }
+
+    /// The triangles that stay, as they would be.
+    fn cells<M: Metric>(&self, mesh: &Mesh<M>, point: Vec3) -> impl Iterator<Item = [Vec3; 3]> {
+        self.stay.iter().map(move |&(_, [a, b], _)| [point, mesh.at(a), mesh.at(b)])
+    }
+
+    /// The squared distance from the triangles that stay of the farthest of the samples around, if the pair merged there.
+    fn farthest<M: Metric>(&self, mesh: &Mesh<M>, point: Vec3) -> f32 {
+        let cells: Vec<[Vec3; 3]> = self.cells(mesh, point).collect();
+        let mut most = 0.0;
+        for (i, t) in self.triangles().enumerate() {
+            // Own first: mostly that is near enough.
+            let own = if i < cells.len() { i } else { 0 };
+            for v in mesh.samples.of(t) {
+                let p = mesh.samples.at(v);
+                let mut least = f32::INFINITY;
+                for k in std::iter::once(own).chain(0..cells.len()) {
+                    least = least.min(distance(p, cells[k]));
+                    if least <= most {
+                        break;
+                    }
+                }
+                most = most.max(least);
+            }
+        }
+        most
     }
 
     /// The cheapest place under which no triangle that stays flips or becomes a worse sliver than a guard allows; with the last
