@@ -296,7 +296,7 @@ Examples:
   meshfront sample terrain -o terrain.tif --triangles 2000000     as heights, 30 m apart
   meshfront sample scan -o scan.ply && meshfront view scan.ply")]
 pub struct MakeSample {
-    /// sphere, knot, terrain (fractal), or scan (noise and holes as a scanner makes them)
+    /// sphere, knot, terrain (fractal), scan (noise and holes as a scanner makes them), or assembly (200 machine parts)
     #[arg(value_parser = clap::builder::PossibleValuesParser::new(Sample::ALL.map(Sample::name)))]
     pub name: String,
     /// The mesh to write: .ply, .obj, .stl, .off or .glb; terrain also as heights: .tif, .asc or .png
