@@ -45,11 +45,11 @@ struct Models {
     side: Vec<Model<2>>,
     /// By how many neighbours were seen with both, up to 3.
     added: [IntModel; 4],
-    /// Which neighbour: of the first added triangle, of the others.
-    third: [IntModel; 2],
+    /// Which neighbour: of the first added triangle, of the rest.
+    other: [IntModel; 2],
     far: IntModel,
     /// Where in the triangle: by what the neighbour was seen as.
-    place: Vec<Model<6>>,
+    place: Vec<Model<PLACES>>,
 }
 
 impl Models {
@@ -57,7 +57,7 @@ impl Models {
         Models {
             side: vec![Model::new(); 32],
             added: int_models(),
-            third: int_models(),
+            other: int_models(),
             far: IntModel::new(),
             place: vec![Model::new(); 16],
         }
@@ -125,6 +125,24 @@ impl Replay {
     fn between(&self) -> usize {
         self.ring.iter().take(3).filter(|x| seen_with(self.marks[x.ix()]) == 3).count()
     }
+    /// Codes a corner of the j-th triangle that comes: by its rank among the neighbours of s, else by its number.
+    #[cfg(feature = "write")]
+    fn encode_other(&self, encoder: &mut Encoder, models: &mut Models, s: VertexId, w: VertexId, j: usize) {
+        let which = self.ring.iter().position(|&x| x == w).unwrap_or(self.ring.len());
+        encode_int(encoder, &mut models.other[j.min(1)], which as i32);
+        if which == self.ring.len() {
+            encode_int(encoder, &mut models.far, w.0.wrapping_sub(s.0) as i32);
+        }
+    }
+    /// Reads what `encode_other` coded; `None` where there is no such neighbour.
+    fn decode_other(&self, decoder: &mut Decoder, models: &mut Models, s: VertexId, j: usize) -> Option<VertexId> {
+        let which = usize::try_from(decode_int(decoder, &mut models.other[j.min(1)]).0).ok()?;
+        match self.ring.get(which) {
+            Some(&w) => Some(w),
+            None if which > self.ring.len() => None,
+            None => Some(VertexId(s.0.wrapping_add(decode_int(decoder, &mut models.far).0 as u32))),
+        }
+    }
     /// Makes ready for the next split.
     fn forget(&mut self) {
         for x in self.ring.drain(..) {
@@ -133,11 +151,21 @@ impl Replay {
     }
 }
 
-/// The corners of a triangle that a split adds: w in one of three places, u or v after it.
-fn corners([u, v]: [VertexId; 2], w: VertexId, place: usize) -> [VertexId; 3] {
-    let (k, flipped) = (place / 2, place % 2 == 1);
+/// Ways to put nodes at the corners of a triangle that a split adds: w in one of three places, u or v after it; then u
+/// or v in one of three places, w after it.
+const PLACES: usize = 12;
+
+/// Of them those with both children.
+const WITH_BOTH: usize = 6;
+
+/// The corners of a triangle that a split adds. `before`: the node before the child, where there is but one child.
+fn corners(children: [VertexId; 2], w: VertexId, before: Option<VertexId>, place: usize) -> [VertexId; 3] {
+    let (k, which) = (place % WITH_BOTH / 2, place % 2);
     let mut t = [w; 3];
-    (t[(k + 1) % 3], t[(k + 2) % 3]) = if flipped { (v, u) } else { (u, v) };
+    match before {
+        None => (t[(k + 1) % 3], t[(k + 2) % 3]) = (children[which], children[1 - which]),
+        Some(before) => (t[k], t[(k + 2) % 3]) = (children[which], before),
+    }
     t
 }
 
@@ -162,7 +190,7 @@ pub fn encode(columns: &Columns) -> Result<Vec<u8>, crate::EncodeError> {
     }
     let splits = shared::Splits { grid, base, vertex, positions, normals, colors, errors, floor_error, source };
     let indices = splits.lattice_indices()?;
-    let stars = encode_stars(columns, &forest, indices.clone());
+    let stars = encode_stars(columns, &forest, indices.clone())?;
     shared::pack_splits(MODEL, &splits, &indices, |range, errors, residuals| {
         let (stars, triangles) = &stars[range.start / shared::PAGE_UPDATES];
         let streams =
@@ -173,7 +201,11 @@ pub fn encode(columns: &Columns) -> Result<Vec<u8>, crate::EncodeError> {
 
 /// The column of stars, page by page, with how many triangles it adds.
 #[cfg(feature = "write")]
-fn encode_stars(columns: &Columns, forest: &Forest, indices: Vec<[u32; 3]>) -> Vec<(Vec<u8>, usize)> {
+fn encode_stars(
+    columns: &Columns,
+    forest: &Forest,
+    indices: Vec<[u32; 3]>,
+) -> Result<Vec<(Vec<u8>, usize)>, InvalidColumns> {
     let (roots, updates) = (columns.base.positions.len(), columns.vertex.len());
     let mut replay = Replay::new(&columns.base.triangles, indices);
     let first = |m: usize| forest.firsts.get(m).map_or(columns.triangles.len(), |&first| first as usize);
@@ -199,15 +231,25 @@ fn encode_stars(columns: &Columns, forest: &Forest, indices: Vec<[u32; 3]>) -> V
                     }
                     node
                 });
-                let k = t.iter().position(|x| !children.contains(x)).expect("checked");
-                let w = t[k];
-                let which = replay.ring.iter().position(|&x| x == w).unwrap_or(replay.ring.len());
-                encode_int(&mut encoder, &mut models.third[j.min(1)], which as i32);
-                if which == replay.ring.len() {
-                    encode_int(&mut encoder, &mut models.far, w.0.wrapping_sub(s.0) as i32);
+                if t[0] == t[1] || t[1] == t[2] || t[2] == t[0] {
+                    let reason = "adds a triangle that has a corner twice";
+                    return Err(InvalidColumns::Update { update: m as u32, reason });
                 }
-                let place = 2 * k + usize::from(t[(k + 1) % 3] == children[1]);
+                let is_child = |k: usize| children.contains(&t[k % 3]);
+                let which = |k: usize| usize::from(t[k % 3] == children[1]);
+                let between = (0..3).find(|&k| is_child(k + 1) && is_child(k + 2));
+                let (w, place, before) = match between {
+                    Some(k) => (t[k], 2 * k + which(k + 1), None),
+                    None => {
+                        let k = (0..3).find(|&k| is_child(k)).expect("checked");
+                        (t[(k + 1) % 3], WITH_BOTH + 2 * k + which(k), Some(t[(k + 2) % 3]))
+                    }
+                };
+                replay.encode_other(&mut encoder, &mut models, s, w, j);
                 encoder.symbol(&mut models.place[replay.marks[w.ix()] as usize], place);
+                if let Some(before) = before {
+                    replay.encode_other(&mut encoder, &mut models, s, before, j);
+                }
                 replay.add(t);
             }
             replay.forget();
@@ -216,7 +258,7 @@ fn encode_stars(columns: &Columns, forest: &Forest, indices: Vec<[u32; 3]>) -> V
         stream.extend_from_slice(&encoder.finish());
         pages.push((stream, triangles));
     }
-    pages
+    Ok(pages)
 }
 
 /// The columns of a file that lies in memory. `file` is what errors call it.
@@ -281,19 +323,18 @@ fn decode_opened(opened: &Opened) -> Result<Columns, Fault> {
             let own = own.ok_or(fault("an update adds more triangles than its page has"))?;
             left -= own;
             for j in 0..own {
-                let which = decode_int(&mut decoder, &mut models.third[j.min(1)]).0;
-                let w = match usize::try_from(which).ok().map(|which| (which, replay.ring.get(which))) {
-                    Some((_, Some(&w))) => w,
-                    Some((which, None)) if which == replay.ring.len() => {
-                        VertexId(s.0.wrapping_add(decode_int(&mut decoder, &mut models.far).0 as u32))
-                    }
-                    _ => return Err(fault("a triangle ends at a neighbour that does not exist")),
+                let other = |decoder: &mut Decoder, models: &mut Models| {
+                    let active = |w: &VertexId| w.ix() < children[0].ix() && !split_already[w.ix()];
+                    let w = replay.decode_other(decoder, models, s, j).filter(active);
+                    w.ok_or(fault("a triangle ends at a node that is not active"))
                 };
-                if w.ix() >= children[0].ix() || split_already[w.ix()] {
-                    return Err(fault("a triangle ends at a node that is not active"));
-                }
+                let w = other(&mut decoder, &mut models)?;
                 let place = decoder.symbol(&mut models.place[replay.marks[w.ix()] as usize]);
-                replay.add(corners(children, w, place));
+                let before = if place < WITH_BOTH { None } else { Some(other(&mut decoder, &mut models)?) };
+                if before == Some(w) {
+                    return Err(fault("a triangle has a corner twice"));
+                }
+                replay.add(corners(children, w, before, place));
             }
             replay.forget();
             added.push(own as u32);

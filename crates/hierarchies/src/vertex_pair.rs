@@ -13,9 +13,10 @@
 //!      o-------o                 o-------o
 //! ```
 //!
-//! In a front the corners of a triangle are the active ancestors of its three leaves; it is live where these are three.
-//! Which update makes it so depends on the forest alone: the split of the deepest node that is above two of its leaves. So
-//! any cut of the forest is a mesh, and how many triangles an update adds depends on nothing.
+//! In a front the corners of a triangle are the active ancestors of its three leaves. It comes with the update that
+//! makes them three: the split of the deepest node that is above two of its leaves. Or with a later one, where it would lie on
+//! another triangle. So how many triangles an update adds depends on nothing; and if none comes later, any cut of the
+//! forest is a mesh.
 //!
 //! ## Implicit dependencies
 //!
@@ -32,7 +33,7 @@
 //! had; nothing is folded over that was not then, and the star of s at its split is the star that it had then: an error
 //! measured at build time holds in all fronts.
 //!
-//! One thing the live triangles do not show. A split brings triangles whose third corner w is another node. It must be the
+//! One thing the live triangles do not show. A split brings triangles with a corner w that is another node. It must be the
 //! one that was there at the merge; but where no other triangle joins s and w, nobody sees that they are neighbours.
 //! Such *hidden* needs are found by the replay and stored: the split needs what made w, and the split of w needs this one. On
 //! surfaces whose topology stays there are none. The way back has no such case: what was split is live, and seen.

@@ -27,6 +27,12 @@ pub(super) fn derive(columns: Columns) -> Result<VertexPair, InvalidColumns> {
     for m in (0..h.splits.len() as u32).map(UpdateId) {
         front.refine(&h, m);
         front.buffers.clear_changes();
+        for slot in h.splits[m.ix()].children.iter().filter_map(|&key| front.slot(key)) {
+            let mut own = front.star(slot).take_while(|t| front.number(t.corner) >= h.added(m).start);
+            if own.any(|t| t.after == t.before) {
+                return Err(InvalidColumns::Update { update: m.0, reason: "adds a triangle that has a corner twice" });
+            }
+        }
     }
     undo_all(&mut h, front)?;
     Ok(h)
@@ -146,14 +152,14 @@ impl Dependents {
 /// Undoes all splits, last first: at each the star is what it was when the source was merged. Yields footprints, costs
 /// and hidden needs.
 ///
-/// An update needs those that made s, the neighbours of s, and the third corners of the triangles that it adds. A neighbour
-/// that is older than s was one of the node that s came from, or such a third corner, so what made it is needed by what
+/// An update needs those that made s, the neighbours of s, and the other corners of the triangles that it adds. A neighbour
+/// that is older than s was one of the node that s came from, or such a corner, so what made it is needed by what
 /// made s: only younger ones need a list.
 fn undo_all(h: &mut VertexPair, mut front: FrontMesh) -> Result<(), InvalidColumns> {
     let updates = h.splits.len();
     let most_needs = MOST_NEEDS * (updates + h.triangles.len());
     let mut dependents = Dependents { heads: vec![NONE; updates], entries: vec![], free: NONE, count: 0 };
-    let (mut cells, mut ring, mut thirds, mut makers) = (vec![], vec![], vec![], vec![]);
+    let (mut cells, mut ring, mut others, mut makers) = (vec![], vec![], vec![], vec![]);
     let mut below: Vec<Footprint> = vec![];
     for m in (0..updates as u32).rev() {
         let id = UpdateId(m);
@@ -165,15 +171,15 @@ fn undo_all(h: &mut VertexPair, mut front: FrontMesh) -> Result<(), InvalidColum
         let p = points[u as usize];
         let q = points[v as usize];
         cells.clear();
-        thirds.clear();
-        cells.extend(front.star(u).map(|t| corners(t.corner >> 2)));
-        for t in front.star(v) {
+        others.clear();
+        for t in front.star(u).chain(front.star(v)) {
             if own.contains(&front.number(t.corner)) {
-                thirds.push(if t.after == u { t.before } else { t.after });
-            } else {
-                cells.push(corners(t.corner >> 2));
+                others.extend([t.after, t.before].into_iter().filter(|&x| x != u && x != v));
             }
         }
+        cells.extend(front.star(u).map(|t| corners(t.corner >> 2)));
+        // Those that have both are in both stars.
+        cells.extend(front.star(v).filter(|t| t.after != u && t.before != u).map(|t| corners(t.corner >> 2)));
         let s = match h.origin(id) {
             Origin::Base(v) => h.base.positions[v as usize],
             Origin::Child(parent, which) => h.place(parent, which),
@@ -192,17 +198,17 @@ fn undo_all(h: &mut VertexPair, mut front: FrontMesh) -> Result<(), InvalidColum
         ring.sort_unstable();
         ring.dedup();
 
-        thirds.sort_unstable();
-        thirds.dedup();
-        thirds.retain(|x| ring.binary_search(x).is_err());
-        for &w in &thirds {
+        others.sort_unstable();
+        others.dedup();
+        others.retain(|x| ring.binary_search(x).is_err());
+        for &w in &others {
             h.hidden.extend(front.maker(w).map(|earlier| [id, earlier]));
             h.hidden.extend(h.splitter(front.key(w)).map(|later| [later, id]));
         }
         makers.clear();
         let parent = h.parent(id);
         let younger = ring.iter().filter_map(|&x| front.maker(x)).filter(|&maker| Some(maker) > parent);
-        makers.extend(younger.chain(thirds.iter().filter_map(|&w| front.maker(w))).chain(parent));
+        makers.extend(younger.chain(others.iter().filter_map(|&w| front.maker(w))).chain(parent));
         makers.sort_unstable();
         makers.dedup();
         for &n in &makers {
@@ -268,7 +274,7 @@ mod tests {
         assert!(refused(&|c| c.vertex[0] = VertexId(1)).contains("not there yet"));
         assert!(refused(&|c| c.triangles[0][0] = VertexId(1)).contains("no leaf"));
         assert!(refused(&|c| c.triangles[0][0] = VertexId(99)).contains("no leaf"));
-        assert!(refused(&|c| c.triangles[0][0] = VertexId(4)).contains("both its nodes"));
+        assert!(refused(&|c| c.triangles[0][0] = VertexId(4)).contains("a corner each"));
         assert!(refused(&|c| c.added = vec![1, 0]).contains("update 0"));
         assert!(refused(&|c| c.added = vec![u32::MAX, u32::MAX]).contains("triangles"));
         assert!(refused(&|c| c.errors = vec![1.0, 2.0]).contains("larger"));

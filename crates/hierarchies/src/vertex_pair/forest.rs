@@ -26,7 +26,8 @@ pub struct Forest {
 }
 
 impl Forest {
-    /// Checks everything in columns but that errors do not grow downwards.
+    /// Checks everything in columns but two things, which need a replay: that errors do not grow downwards, and that the other
+    /// two corners of a triangle that comes with one child are two nodes.
     ///
     /// # Errors
     /// Columns that do not describe a forest with triangles, with the update concerned.
@@ -106,8 +107,12 @@ impl Forest {
                 };
                 let count =
                     |from: u32, up_to: u32| [x, y, z].iter().filter(|&&leaf| from <= leaf && leaf < up_to).count();
-                if count(from, middle) != 1 || count(middle, up_to) != 1 {
-                    return Err(invalid(m, "adds a triangle that does not have both its nodes at two corners"));
+                let (on_u, on_v) = (count(from, middle), count(middle, up_to));
+                if on_u > 1 || on_v > 1 || on_u + on_v == 0 {
+                    return Err(invalid(
+                        m,
+                        "adds a triangle that does not have one or both of its nodes at a corner each",
+                    ));
                 }
                 triangles.push([x, y, z]);
             }

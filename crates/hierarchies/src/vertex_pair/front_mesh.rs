@@ -135,12 +135,9 @@ impl FrontMesh {
         let u = self.slot(m.0).expect("the engine refines only what is legal");
         let s = self.nodes[u as usize];
         // Whom the new triangles end at, as long as the star is whole.
-        let mut thirds = std::mem::take(&mut self.scratch);
-        thirds.extend(h.added(m).map(|number| {
-            let leaves = h.triangles[number as usize];
-            let leaf = leaves.into_iter().find(|&leaf| !s.holds(leaf)).expect("validated when the hierarchy was made");
-            self.holder(h, u, leaf)
-        }));
+        let mut others = std::mem::take(&mut self.scratch);
+        let leaves = h.triangles[h.added(m).start as usize..h.added(m).end as usize].iter().flatten();
+        others.extend(leaves.filter(|&&leaf| !s.holds(leaf)).map(|&leaf| self.holder(h, u, leaf)));
 
         let level = self.buffers.levels[u as usize].saturating_add(1);
         self.slots.clear(m.0 as usize);
@@ -167,17 +164,17 @@ impl FrontMesh {
         }
         ends.into_iter().for_each(|end| self.terminate(end));
 
-        for (number, &w) in h.added(m).zip(&thirds) {
-            let leaves = h.triangles[number as usize];
-            let corners = leaves.map(|leaf| match leaf {
-                leaf if !s.holds(leaf) => w,
+        let mut other = others.iter();
+        for number in h.added(m) {
+            let corners = h.triangles[number as usize].map(|leaf| match leaf {
+                leaf if !s.holds(leaf) => *other.next().expect("looked up above"),
                 leaf if leaf < split.middle => u,
                 _ => v,
             });
             self.new_triangle(number, corners);
         }
-        thirds.clear();
-        self.scratch = thirds;
+        others.clear();
+        self.scratch = others;
     }
 
     pub(super) fn coarsen(&mut self, h: &VertexPair, m: UpdateId) {
@@ -188,9 +185,12 @@ impl FrontMesh {
         // Its own triangles go, last added first, so that free slots come back in the order they were taken.
         let mut gone = std::mem::take(&mut self.scratch);
         let own = h.added(m);
-        let star = self.star(u).map(|t| (t.corner >> 2, self.number(t.corner)));
-        let later = star.skip_while(|&(_, number)| number >= own.end);
-        gone.extend(later.take_while(|&(_, number)| number >= own.start).map(|(t, _)| t));
+        for slot in [u, v] {
+            let star = self.star(slot).map(|t| t.corner).skip_while(|&corner| self.number(corner) >= own.end);
+            gone.extend(star.take_while(|&corner| self.number(corner) >= own.start).map(|corner| corner >> 2));
+        }
+        gone.sort_unstable_by_key(|&t| std::cmp::Reverse(self.links[t as usize].number));
+        gone.dedup();
         for &t in &gone {
             for k in 0..3u32 {
                 self.unlink(self.buffers.triangles[t as usize][k as usize], t << 2 | k);
