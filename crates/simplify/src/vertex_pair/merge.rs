@@ -8,7 +8,7 @@ use crate::metrics::{End, Metric};
 use crate::{BuildError, Progress};
 use arrayvec::ArrayVec;
 use glam::Vec3;
-use meshfront_hierarchies::edge_collapse::{Grid, Oct};
+use meshfront_hierarchies::vertex_pair::{Grid, Oct};
 use meshfront_mesh::TriangleMesh;
 use rayon::prelude::*;
 use std::cmp::Reverse;
@@ -103,7 +103,7 @@ const GUARDS: [Guard; 4] = [
 /// By what factor a squared distance may be above what is due.
 const PATIENCE: f32 = 1.05;
 /// How many times its squared distance counts where a merge takes no triangle away. Joining parts pays only later, when
-/// triangles between them vanish: from 1 to 64, an assembly of 200 parts has half as many triangles at an error of 1 % of the
+/// triangles between them vanish: from 1 to 64, an assembly of 200 parts has half as many triangles at an error of 2 % of the
 /// diagonal, and a third at 4 %; above 64 nothing changes.
 const FRUITLESS: f32 = 64.0;
 /// Below this, a triangle's shape makes it a sliver.
