@@ -194,8 +194,8 @@ fn assembly_is_two_hundred_closed_parts_that_do_not_touch() {
         let at = |v: usize| mesh.positions[v];
         along.sort_by(|a, b| at(*a).x.total_cmp(&at(*b).x));
         for (i, &a) in along.iter().enumerate() {
-            for &b in along[i + 1..].iter().take_while(|b| at(**b).x - at(a).x < 0.008) {
-                assert!(part.root(a) == part.root(b) || at(a).distance(at(b)) > 0.008);
+            for &b in along[i + 1..].iter().take_while(|b| at(**b).x - at(a).x < 0.004) {
+                assert!(part.root(a) == part.root(b) || at(a).distance(at(b)) > 0.004);
             }
         }
     }

@@ -43,4 +43,6 @@ pub use meshfront_mesh::{HeightField, TriangleMesh};
 pub use meshfront_refine::criteria::Uniform;
 pub use meshfront_refine::{Camera, Front, Outcome, Request, Step, ViewOptions, view};
 #[cfg(feature = "simplify")]
-pub use meshfront_simplify::{EdgeCollapseOptions, RightTrianglesOptions, edge_collapse, right_triangles};
+pub use meshfront_simplify::{
+    EdgeCollapseOptions, RightTrianglesOptions, VertexPairOptions, edge_collapse, right_triangles, vertex_pair,
+};

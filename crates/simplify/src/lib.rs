@@ -12,7 +12,7 @@ pub mod vertex_removal;
 
 pub use edge_collapse::{EdgeCollapseOptions, edge_collapse, edge_collapse_columns, edge_collapse_with_own_errors};
 pub use right_triangles::{RightTrianglesOptions, right_triangles, right_triangles_columns};
-pub use vertex_pair::{Pairs, VertexPairOptions, vertex_pair_columns};
+pub use vertex_pair::{Pairs, VertexPairOptions, vertex_pair, vertex_pair_columns};
 pub use vertex_removal::{VertexRemovalOptions, vertex_removal, vertex_removal_columns};
 
 use meshfront_mesh::{TriangleMesh, VertexId};

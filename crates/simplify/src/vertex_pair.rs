@@ -17,8 +17,8 @@ mod virtual_edges;
 use crate::measure::measure;
 use crate::metrics::{Length, MetricChoice, Quadrics};
 use crate::{BuildError, Progress, check};
-use meshfront_hierarchies::edge_collapse::Grid;
-use meshfront_hierarchies::vertex_pair::Columns;
+use meshfront_hierarchies::VertexPair;
+use meshfront_hierarchies::vertex_pair::{Columns, Grid};
 use meshfront_mesh::{Bounds, TriangleMesh};
 
 /// How to build.
@@ -56,10 +56,24 @@ impl Default for VertexPairOptions {
             base_triangles: 20,
             metric: MetricChoice::Quadric,
             pairs: Pairs::Equal,
-            patch_angle: 0.5,
+            patch_angle: 30f32.to_radians(),
             longest_virtual: 0.1,
         }
     }
+}
+
+/// Builds the hierarchy of any triangles: non-manifold ones too, of many objects.
+///
+/// # Errors
+/// As [`vertex_pair_columns`], which is enough where the hierarchy is only written to a file.
+pub fn vertex_pair(
+    mesh: &TriangleMesh,
+    options: &VertexPairOptions,
+    progress: &dyn Progress,
+) -> Result<VertexPair, BuildError> {
+    let columns = vertex_pair_columns(mesh, options, progress)?;
+    progress.phase("derive", "updates", columns.vertex.len() as u64);
+    Ok(VertexPair::new(columns)?)
 }
 
 /// Builds what is stored of the hierarchy of any triangles, with its measured errors.

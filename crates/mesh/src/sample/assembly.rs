@@ -7,13 +7,23 @@ use glam::DVec3;
 use super::hash_unit;
 use crate::{TriangleMesh, VertexId};
 
-/// Modules along x and z, each of ten parts.
-const MODULES: [usize; 2] = [5, 4];
+/// Modules of ten parts each: where their corners are along x and z, and how large they are. They are side by side.
+/// One has four times the size of the sixteen least, three have twice: machines have parts of all sizes.
+fn modules() -> impl Iterator<Item = ([f64; 2], f64)> {
+    let medium = (0..3).map(|k| ([4.0, 2.0 * k as f64], 2.0));
+    let small = (0..16).map(|k| match k {
+        0..8 => ([(k % 4) as f64, (4 + k / 4) as f64], 1.0),
+        8..14 => ([6.0, (k - 8) as f64], 1.0),
+        _ => ([(k - 14) as f64, 6.0], 1.0),
+    });
+    std::iter::once(([0.0, 0.0], 4.0)).chain(medium).chain(small)
+}
+
 /// Holes along each side of a plate; a bolt is in each of the four in the corners.
 const HOLES: usize = 3;
 
 /// A machine of 200 closed parts that do not touch, y up: twenty modules of two plates with nine holes each, four hexagonal
-/// bolts through both, a box, an angle, a bushing and a motor, of sizes that differ a little from module to module.
+/// bolts through both, a box, an angle, a bushing and a motor. One module is four times as large as most, three are twice.
 ///
 /// Flat faces are triangulated as modellers do: from corner to corner, in fans, over any distance. More triangles make rounder
 /// circles and more rows along what is long; fewer than some 12,000 cannot be.
@@ -36,10 +46,9 @@ pub fn assembly(triangles: usize) -> TriangleMesh {
 
 /// With `4 * detail` segments in a circle.
 fn make(detail: usize) -> TriangleMesh {
-    let mut parts = Parts { mesh: TriangleMesh::default(), corner: DVec3::ZERO, detail };
-    for module in 0..MODULES[0] * MODULES[1] {
-        let (i, j) = (module % MODULES[0], module / MODULES[0]);
-        parts.corner = DVec3::new(i as f64 - 0.5 * MODULES[0] as f64, -0.4, j as f64 - 0.5 * MODULES[1] as f64);
+    let mut parts = Parts { mesh: TriangleMesh::default(), corner: DVec3::ZERO, size: 1.0, detail };
+    for (module, ([x, z], size)) in modules().enumerate() {
+        (parts.corner, parts.size) = (DVec3::new(x - 3.5, -1.0, z - 3.0), size);
         let vary = |what: u64| hash_unit(10 * module as u64 + what);
         let hole = 0.065 + 0.01 * vary(0);
         parts.plate(0.0, 0.08, hole);
@@ -66,12 +75,13 @@ struct Parts {
     mesh: TriangleMesh,
     /// Of the module.
     corner: DVec3,
+    size: f64,
     detail: usize,
 }
 
 impl Parts {
     fn vertex(&mut self, x: f64, y: f64, z: f64) -> VertexId {
-        self.mesh.positions.push((self.corner + DVec3::new(x, y, z)).as_vec3());
+        self.mesh.positions.push((0.5 * (self.corner + self.size * DVec3::new(x, y, z))).as_vec3());
         VertexId(self.mesh.positions.len() as u32 - 1)
     }
 

@@ -4,8 +4,7 @@ use super::merge::Record;
 use crate::measure::Errors;
 use crate::order::{morton, order};
 use meshfront_hierarchies::SourceCounts;
-use meshfront_hierarchies::edge_collapse::Grid;
-use meshfront_hierarchies::vertex_pair::Columns;
+use meshfront_hierarchies::vertex_pair::{Columns, Grid};
 use meshfront_mesh::{Bounds, TriangleMesh, VertexColumns, VertexId};
 
 /// No merge; no number yet.

@@ -6,8 +6,9 @@ use super::{Pairs, VertexPairOptions};
 use crate::link::{Link, count_neighbours, fans};
 use crate::metrics::{End, Metric};
 use crate::{BuildError, Progress};
+use arrayvec::ArrayVec;
 use glam::Vec3;
-use meshfront_hierarchies::edge_collapse::{Grid, Oct};
+use meshfront_hierarchies::vertex_pair::{Grid, Oct};
 use meshfront_mesh::TriangleMesh;
 use rayon::prelude::*;
 use std::cmp::Reverse;
@@ -101,6 +102,10 @@ const GUARDS: [Guard; 4] = [
 ];
 /// By what factor a squared distance may be above what is due.
 const PATIENCE: f32 = 1.05;
+/// How many times its squared distance counts where a merge takes no triangle away. Joining parts pays only later, when
+/// triangles between them vanish: from 1 to 64, an assembly of 200 parts has half as many triangles at an error of 2 % of the
+/// diagonal, and a third at 4 %; above 64 nothing changes.
+const FRUITLESS: f32 = 64.0;
 /// Below this, a triangle's shape makes it a sliver.
 const SLIVER: f32 = 0.06;
 
@@ -148,16 +153,21 @@ pub(super) fn merge<M: Metric>(
             refused.push([u, v]);
             continue;
         }
-        let Some(point) = step.place(&mesh, u, v, GUARDS[guard as usize]) else {
-            queue.push(mesh.waiting(u, v, guard + 1));
-            continue;
-        };
+        let places = step.places(&mesh, u, v, GUARDS[guard as usize]);
         // A merge waits until it is due to move points of the source as far as it would.
-        let far = step.farthest(&mesh, point);
-        if far > f32::from_bits(due) * PATIENCE {
-            queue.push(Reverse((far.to_bits(), guard, u, v)));
-            continue;
-        }
+        let weight = if step.gone.is_empty() { FRUITLESS } else { 1.0 };
+        let due = f32::from_bits(due) * PATIENCE / weight;
+        let point = match step.nearest_place(&mesh, &places, due) {
+            None => {
+                queue.push(mesh.waiting(u, v, guard + 1));
+                continue;
+            }
+            Some((far, _)) if far > due => {
+                queue.push(Reverse(((far * weight).to_bits(), guard, u, v)));
+                continue;
+            }
+            Some((_, point)) => point,
+        };
         let mut s = mesh.apply(&step, u, v, point);
         // Who lost all triangles goes to where they went.
         for w in std::mem::take(&mut step.orphans) {
@@ -526,19 +536,31 @@ impl Step {
         most
     }
 
-    /// The cheapest place under which no triangle that stays flips or becomes a worse sliver than a guard allows; with the last
-    /// guard the cheapest of all.
-    fn place<M: Metric>(&self, mesh: &Mesh<M>, u: u32, v: u32, guard: Guard) -> Option<Vec3> {
+    /// The places under which no triangle that stays flips or becomes a worse sliver than a guard allows, cheapest first;
+    /// with the last guard all.
+    fn places<M: Metric>(&self, mesh: &Mesh<M>, u: u32, v: u32, guard: Guard) -> ArrayVec<Vec3, 4> {
         let snap = |p: Vec3| mesh.grid.map_or(p, |g| g.snap(p));
         let [a, b] = [u, v].map(|x| mesh.end(x));
-        let best = snap(mesh.metric.best(a, b));
-        let keeps = |&p: &Vec3| guard.cos <= -1.0 || self.keeps_shape(mesh, p, guard);
-        if keeps(&best) {
-            return Some(best);
-        }
-        let mut others = [(a.at + b.at) * 0.5, a.at, b.at].map(|p| (mesh.metric.cost(a, b, p), snap(p)));
+        let mut others = [(a.at + b.at) * 0.5, a.at, b.at].map(|p| (mesh.metric.cost(a, b, p), p));
         others.sort_by(|a, b| a.0.total_cmp(&b.0));
-        others.into_iter().map(|o| o.1).find(keeps)
+        let all = std::iter::once(mesh.metric.best(a, b)).chain(others.map(|o| o.1)).map(snap);
+        all.filter(|&p| guard.cos <= -1.0 || self.keeps_shape(mesh, p, guard)).collect()
+    }
+
+    /// The first place that moves no point of the source farther than what is due, or else that which moves them least; with
+    /// the squared distance.
+    fn nearest_place<M: Metric>(&self, mesh: &Mesh<M>, places: &[Vec3], due: f32) -> Option<(f32, Vec3)> {
+        let mut least = None;
+        for &p in places {
+            let far = self.farthest(mesh, p);
+            if far <= due {
+                return Some((far, p));
+            }
+            if least.is_none_or(|(l, _)| far < l) {
+                least = Some((far, p));
+            }
+        }
+        least
     }
 
     fn keeps_shape<M: Metric>(&self, mesh: &Mesh<M>, point: Vec3, guard: Guard) -> bool {
