@@ -44,49 +44,37 @@ fn rules(args: &StudyDependencies, quiet: bool) -> Result<()> {
 }
 
 fn in_words(found: &Dependencies) -> String {
-    let mut table = format!(
-        "{} updates, {:.1} bytes each without dependencies; {} frames at {} px, {} of them looked at\n\n\
-         {:<25}{:>9}{:>9}{:>11}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}\n{:<25}{:>9}{:>9}{:>11}{:>9}{:>9}{:>9}{:>9}{:>9}{:>9}\n",
+    let rows = found.rules.iter().map(|r| {
+        [
+            r.name.into(),
+            format!("{:.1}", r.bytes_per_update),
+            format!("{:.2}", r.forced_per_wanted),
+            text::count(r.triangles.round() as u64),
+            format!("{:.3}", r.error_px_mean),
+            format!("{:.2}", r.error_px_max),
+            format!("{:.0}", r.foreign),
+            format!("{:.1}", r.folded),
+            format!("{:.1}", r.folded_foreign),
+            format!("{:.0}", r.ns_per_step),
+        ]
+    });
+    let head = [
+        ["", "bytes", "forced", "triangles", "error", "error", "foreign", "folded", "folded", "time"],
+        ["rule", "/update", "/wanted", "mean", "mean px", "max px", "cells", "cells", "foreign", "ns/step"],
+    ];
+    let line = |row: [String; 10]| {
+        let [name, figures @ ..] = row;
+        format!("{name:<24}{}\n", figures.map(|figure| format!("{figure:>10}")).concat())
+    };
+    let table: String = head.map(|row| row.map(String::from)).into_iter().chain(rows).map(line).collect();
+    format!(
+        "{} updates, {:.1} bytes each without dependencies; {} frames at {} px, {} of them looked at\n\n{table}\n\
+         error: of vertices of the source that are seen and face the eye. foreign: cells that no mesh of the sequence\n\
+         of collapses had. folded: cells turned away from the surface below them.\n",
         text::count(found.updates as u64),
         found.forest_bytes_per_update,
         found.frames[0],
         found.tolerance_px,
         found.frames[1],
-        "rule",
-        "bytes",
-        "forced",
-        "triangles",
-        "error",
-        "error",
-        "above",
-        "cells",
-        "folded",
-        "ns",
-        "",
-        "/update",
-        "/wanted",
-        "mean",
-        "mean px",
-        "max px",
-        "tol.",
-        "foreign",
-        "foreign",
-        "/step",
-    );
-    for r in &found.rules {
-        table += &format!(
-            "{:<25}{:>9.1}{:>9.2}{:>11}{:>9.3}{:>9.2}{:>9}{:>9.0}{:>9.1}{:>9.0}\n",
-            r.name,
-            r.bytes_per_update,
-            r.forced_per_wanted,
-            text::count(r.triangles.round() as u64),
-            r.error_px_mean,
-            r.error_px_max,
-            text::percent(r.share_above),
-            r.foreign,
-            r.folded_foreign,
-            r.ns_per_step,
-        );
-    }
-    table
+    )
 }

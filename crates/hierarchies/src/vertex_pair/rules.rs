@@ -79,14 +79,8 @@ impl Rule for Implicit {
 pub struct Neighbours {
     /// One more than there are updates: lists end where the next one's begin.
     offsets: Vec<u32>,
-    nodes: Vec<Neighbour>,
-}
-
-/// A node, and what makes it; itself where nothing does.
-#[derive(Clone, Copy, Debug)]
-struct Neighbour {
-    key: Key,
-    maker: UpdateId,
+    /// Numbered as in [`Columns`](super::Columns): those of the base mesh, then two for each update.
+    nodes: Vec<u32>,
 }
 
 impl Rule for Neighbours {
@@ -102,7 +96,10 @@ impl Rule for Neighbours {
             return h.parent(m).into_iter().for_each(visit);
         }
         let ring = &self.nodes[self.offsets[m.ix()] as usize..self.offsets[m.ix() + 1] as usize];
-        ring.iter().filter(|x| mesh.slot(x.key).is_none()).map(|x| x.maker).for_each(visit);
+        // Nodes of the base mesh are there, or would have needed this update.
+        let made = ring.iter().filter_map(|node| node.checked_sub(h.roots.len() as u32));
+        let absent = made.filter(|k| mesh.slot(h.splits[*k as usize / 2].children[*k as usize % 2]).is_none());
+        absent.map(|k| UpdateId(k / 2)).for_each(visit);
     }
     #[inline]
     fn needed_by(&self, h: &VertexPair, mesh: &FrontMesh, m: UpdateId, visit: impl FnMut(UpdateId)) {
@@ -260,9 +257,12 @@ impl Sequence {
             }
             stars.push_reduced(&makers);
             faces.push_reduced(&beside);
-            neighbours.nodes.extend(ring.iter().map(|&x| {
-                let key = front.key(x);
-                Neighbour { key, maker: front.maker(x).unwrap_or(UpdateId(key)) }
+            neighbours.nodes.extend(ring.iter().map(|&x| match front.maker(x) {
+                None => h.roots.partition_point(|root| root.first_leaf <= front.first_leaf(x)) as u32 - 1,
+                Some(maker) => {
+                    let which = usize::from(h.splits[maker.ix()].children[1] == front.key(x));
+                    (h.roots.len() + 2 * maker.ix() + which) as u32
+                }
             }));
             neighbours.offsets.push(neighbours.nodes.len() as u32);
         }
