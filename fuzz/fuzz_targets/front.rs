@@ -9,9 +9,10 @@ use meshfront_hierarchies::{Hierarchy, Stored};
 #[path = "../../crates/format/tests/common/checksums.rs"]
 mod checksums;
 
-const SOUND: [&[u8]; 2] = [
+const SOUND: [&[u8]; 3] = [
     include_bytes!("../../testdata/front/v1-scan-16-bits.front"),
     include_bytes!("../../testdata/front/v1-knot-lossless-painted.front"),
+    include_bytes!("../../testdata/front/v1-parts-vertex-pair.front"),
 ];
 
 fuzz_target!(|data: &[u8]| {
@@ -36,8 +37,10 @@ fuzz_target!(|data: &[u8]| {
     let inspected = inspect(&file, "fuzz");
     let Ok(columns) = decode(&file, "fuzz") else { return };
     let inspected = inspected.expect("decoded");
-    if let Stored::EdgeCollapse(columns) = &columns {
-        assert_eq!(inspected.updates as usize, columns.vertex.len());
+    match &columns {
+        Stored::EdgeCollapse(columns) => assert_eq!(inspected.updates as usize, columns.vertex.len()),
+        Stored::VertexPair(columns) => assert_eq!(inspected.updates as usize, columns.vertex.len()),
+        _ => {}
     }
     let Ok(again) = encode(&columns) else {
         // Numbers of triangulations are checked where they are used, and where they are written.

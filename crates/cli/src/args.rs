@@ -7,6 +7,8 @@ use clap::{ArgGroup, Args, Parser, Subcommand, ValueHint};
 use glam::Vec3;
 use meshfront::mesh::sample::Sample;
 use meshfront::refine::criteria::Shape;
+use meshfront::simplify::metrics::MetricChoice;
+use meshfront::simplify::{Pairs, VertexPairOptions};
 
 /// Multiresolution meshes: build one, look at it from anywhere, take meshes of any size out of it.
 #[derive(Parser)]
@@ -34,6 +36,7 @@ pub enum Command {
     Compare(Compare),
     View(View),
     Bench(Bench),
+    Study(Study),
     Sample(MakeSample),
     Completions(Completions),
 }
@@ -48,6 +51,7 @@ Examples:
   meshfront build dragon.ply.gz -o dragon.front
   meshfront build part.stl -o part.front --bits 20     finer coordinates, a larger file
   meshfront build part.stl -o part.front --lossless    every coordinate as it was
+  meshfront build machine.glb -o machine.front --model vertex_pair    many parts: they join
   meshfront build helens.dem -o helens.front --exaggeration 1.5")]
 pub struct Build {
     #[arg(value_hint = ValueHint::FilePath)]
@@ -70,6 +74,8 @@ pub struct Recipe {
     pub model: Choice,
     #[command(flatten)]
     pub precision: Precision,
+    #[command(flatten)]
+    pub pairing: Pairing,
     /// Heights only: how many times too high to make the terrain
     #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = exaggeration)]
     pub exaggeration: f32,
@@ -80,14 +86,85 @@ pub struct Recipe {
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
 #[value(rename_all = "snake_case")]
 pub enum Choice {
-    /// Right triangles for heights, edge collapse for meshes
+    /// Right triangles for heights, edge collapse for 2-manifolds, vertex pairs for what is none or has many parts
     Auto,
     /// Any mesh, non-manifold ones too; as a mesh, heights as well
     EdgeCollapse,
     /// Heights over a grid: errors are the true vertical distance
     RightTriangles,
+    /// Any mesh, of many parts too: topology changes, parts join, and a few triangles are left
+    VertexPair,
     /// 2-manifolds, with or without boundary: the vertices of all levels are those of the source
     VertexRemoval,
+}
+
+/// How vertex pairs merge.
+#[derive(Args, Clone, Copy)]
+#[command(next_help_heading = "Vertex pairs")]
+pub struct Pairing {
+    /// What goes first: all merges that keep the topology, or whatever is cheapest [default: equal]
+    #[arg(long, value_name = "ORDER", value_enum)]
+    pub pairs: Option<PairOrder>,
+    /// What a merge costs at the least: distance from the source's planes, or how far vertices travel [default: quadric]
+    #[arg(long, value_name = "NAME", value_enum)]
+    pub metric: Option<Cost>,
+    /// Faces end where their mean normals differ by more: vertices there may join others in space [default: 30]
+    #[arg(long, value_name = "DEG", value_parser = degrees)]
+    pub patch_angle: Option<f32>,
+    /// The longest way across which vertices join that no edge joins, as a share of the diagonal; 0%: none [default: 10%]
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub longest_join: Option<f32>,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
+pub enum PairOrder {
+    /// For as long as there is an edge whose collapse keeps the topology, nothing else merges
+    GeometryFirst,
+    /// All pairs by their cost
+    Equal,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
+pub enum Cost {
+    /// Mean distance from the planes of the triangles that a vertex stands for
+    Quadric,
+    /// Radius of a ball around the vertices that it stands for
+    Length,
+}
+
+impl Pairing {
+    pub const PLAIN: Pairing = Pairing { pairs: None, metric: None, patch_angle: None, longest_join: None };
+
+    /// An option that was given, if any.
+    pub fn given(self) -> Option<&'static str> {
+        let all = [
+            ("--pairs", self.pairs.is_some()),
+            ("--metric", self.metric.is_some()),
+            ("--patch-angle", self.patch_angle.is_some()),
+            ("--longest-join", self.longest_join.is_some()),
+        ];
+        all.into_iter().find(|option| option.1).map(|option| option.0)
+    }
+
+    pub fn options(self, bits: Option<u32>) -> VertexPairOptions {
+        let plain = VertexPairOptions::default();
+        VertexPairOptions {
+            bits,
+            pairs: match self.pairs {
+                None => plain.pairs,
+                Some(PairOrder::GeometryFirst) => Pairs::GeometryFirst,
+                Some(PairOrder::Equal) => Pairs::Equal,
+            },
+            metric: match self.metric {
+                None => plain.metric,
+                Some(Cost::Quadric) => MetricChoice::Quadric,
+                Some(Cost::Length) => MetricChoice::Length,
+            },
+            patch_angle: self.patch_angle.map_or(plain.patch_angle, f32::to_radians),
+            longest_virtual: self.longest_join.unwrap_or(plain.longest_virtual),
+            ..plain
+        }
+    }
 }
 
 #[derive(Args, Clone, Copy)]
@@ -112,6 +189,7 @@ impl Recipe {
     pub const PLAIN: Recipe = Recipe {
         model: Choice::Auto,
         precision: Precision { bits: 16, lossless: false },
+        pairing: Pairing::PLAIN,
         exaggeration: 1.0,
         threads: Threads { threads: None },
     };
@@ -293,6 +371,36 @@ pub struct Bench {
     pub json: bool,
 }
 
+/// Measure what could have been done otherwise
+#[derive(Args)]
+pub struct Study {
+    #[command(subcommand)]
+    pub of: StudyOf,
+}
+
+#[derive(Subcommand)]
+pub enum StudyOf {
+    Dependencies(StudyDependencies),
+}
+
+/// Compare five rules of dependency on the same edge collapses: memory, forced updates, triangles, errors, foldovers, time
+///
+/// A flight around the mesh and up to it, the same for all rules. Forced are updates that are applied although nothing of
+/// them is wrong by more than the tolerance.
+#[derive(Args)]
+pub struct StudyDependencies {
+    #[arg(value_hint = ValueHint::FilePath)]
+    pub mesh: PathBuf,
+    /// Tolerance of the flight, pixels
+    #[arg(long, value_name = "PX", default_value_t = 1.0, value_parser = tolerance_px)]
+    pub tolerance: f32,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub threads: Threads,
+}
+
 /// Make a mesh by procedure, of any size
 #[derive(Args)]
 #[command(after_help = "\
@@ -301,7 +409,7 @@ Examples:
   meshfront sample terrain -o terrain.tif --triangles 2000000     as heights, 30 m apart
   meshfront sample scan -o scan.ply && meshfront view scan.ply")]
 pub struct MakeSample {
-    /// sphere, knot, terrain (fractal), or scan (noise and holes as a scanner makes them)
+    /// sphere, knot, terrain (fractal), scan (noise and holes as a scanner makes them), or assembly (200 machine parts)
     #[arg(value_parser = clap::builder::PossibleValuesParser::new(Sample::ALL.map(Sample::name)))]
     pub name: String,
     /// The mesh to write: .ply, .obj, .stl, .off or .glb; terrain also as heights: .tif, .asc or .png
@@ -402,6 +510,11 @@ fn degrees(text: &str) -> Result<f32, String> {
         .and_then(|x| if x > 0.0 && x < 180.0 { Ok(x) } else { Err(format!("{x} degrees is not between 0 and 180")) })
 }
 
+fn share(text: &str) -> Result<f32, String> {
+    let percent = text.strip_suffix('%').ok_or_else(|| format!("{text:?} is not a share such as 10%"))?;
+    not_negative(percent).map(|x| x / 100.0)
+}
+
 fn region(text: &str) -> Result<Shape, String> {
     let (kind, rest) = text.split_once(':').ok_or("expected sphere:X,Y,Z,RADIUS or box:X0,Y0,Z0,X1,Y1,Z1")?;
     match kind {
@@ -425,6 +538,13 @@ fn count_in(text: &str, range: RangeInclusive<usize>) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(n) if range.contains(&n) => Ok(n),
         _ => Err(format!("{text:?} is not a whole number from {} to {}", range.start(), range.end())),
+    }
+}
+
+fn tolerance_px(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(px) if px > 0.0 && px.is_finite() => Ok(px),
+        _ => Err(format!("{text:?} is not a number of pixels above 0")),
     }
 }
 

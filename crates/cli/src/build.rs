@@ -3,15 +3,14 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use meshfront::hierarchies::edge_collapse;
-use meshfront::mesh::Bounds;
 use meshfront::mesh::io::height::is_height_format;
 use meshfront::refine::MultiTessellation;
 use meshfront::simplify::{
-    VertexRemovalOptions, edge_collapse_columns, right_triangles_columns, vertex_removal_columns,
+    VertexRemovalOptions, edge_collapse_columns, right_triangles_columns, vertex_pair_columns, vertex_removal_columns,
 };
 use meshfront::{
-    EdgeCollapseOptions, Model, RightTriangles, RightTrianglesOptions, Stored, TriangleMesh, TriangleModel, format,
+    EdgeCollapseOptions, Model, RightTriangles, RightTrianglesOptions, Stored, Survey, TriangleMesh, TriangleModel,
+    format, survey,
 };
 
 use crate::args::{Build, Choice, Recipe};
@@ -24,7 +23,7 @@ pub struct Built {
     /// The source as it was read.
     report: String,
     /// Why it is of this model, if nobody asked for it.
-    because: &'static str,
+    because: String,
     source_vertices: u64,
     base_triangles: usize,
     /// Least and greatest promised error, mesh units.
@@ -53,21 +52,24 @@ pub fn build(source: &Path, recipe: &Recipe, phases: &Phases) -> Result<Built> {
         return Err(output::Usage(format!("{name}: is a hierarchy already; `meshfront view {name}` shows it")).into());
     }
     let heights = is_height_format(source);
-    let (model, because) = match (recipe.model, heights) {
-        (Choice::Auto, true) => (Model::RightTriangles, ", since it is a height field"),
-        (Choice::Auto, false) => (Model::EdgeCollapse, ", which takes any mesh"),
-        (Choice::EdgeCollapse, _) => (Model::EdgeCollapse, ""),
-        (Choice::RightTriangles, _) => (Model::RightTriangles, ""),
-        (Choice::VertexRemoval, _) => (Model::VertexRemoval, ""),
+    let asked = match recipe.model {
+        Choice::Auto => heights.then_some(Model::RightTriangles),
+        Choice::EdgeCollapse => Some(Model::EdgeCollapse),
+        Choice::RightTriangles => Some(Model::RightTriangles),
+        Choice::VertexPair => Some(Model::VertexPair),
+        Choice::VertexRemoval => Some(Model::VertexRemoval),
     };
-    recipe.threads.pool()?.install(|| match model {
-        Model::RightTriangles if !heights => Err(output::Usage(format!(
+    if let Some(option) = recipe.pairing.given().filter(|_| asked.is_some_and(|m| m != Model::VertexPair)) {
+        return Err(output::Usage(format!("{option} is for vertex pairs: add `--model vertex_pair`")).into());
+    }
+    recipe.threads.pool()?.install(|| match asked {
+        Some(Model::RightTriangles) if !heights => Err(output::Usage(format!(
             "{name}: is a mesh, and right triangles need a height field ({}); `--model edge_collapse` takes any mesh",
             input::HEIGHT_ENDINGS
         ))
         .into()),
-        Model::RightTriangles => terrain(source, recipe, because, phases),
-        Model::EdgeCollapse | Model::VertexRemoval => {
+        Some(Model::RightTriangles) => terrain(source, recipe, phases),
+        _ => {
             let (mesh, report) = if heights {
                 let source = input::heights(source, phases)?;
                 phases.start("triangulate");
@@ -76,44 +78,87 @@ pub fn build(source: &Path, recipe: &Recipe, phases: &Phases) -> Result<Built> {
                 let source = input::mesh(source, input::Seams::Weld, phases)?;
                 (source.mesh, source.report.to_string())
             };
-            let simplify = if model == Model::EdgeCollapse { collapse } else { remove };
-            simplify(&mesh, report, recipe, because, phases).with_context(|| name.to_string())
+            let (model, because) = match asked {
+                Some(model) => (model, String::new()),
+                None if recipe.pairing.given().is_some() => (Model::VertexPair, ", as its options say".to_owned()),
+                None => {
+                    phases.start("survey");
+                    best_model(&survey(&mesh))
+                }
+            };
+            simplify(&mesh, report, model, because, recipe, phases).with_context(|| name.to_string())
         }
     })
 }
 
-fn collapse(mesh: &TriangleMesh, report: String, recipe: &Recipe, because: &'static str, p: &Phases) -> Result<Built> {
-    let options = EdgeCollapseOptions { bits: recipe.precision.bits(), ..EdgeCollapseOptions::default() };
-    let columns = edge_collapse_columns(mesh, &options, p)?;
-    let edge_collapse::Columns { base, positions, errors, floor_error, .. } = &columns;
-    let points: Vec<_> = base.positions.iter().chain(positions.iter().flatten()).copied().collect();
+/// What serves a mesh best, and why.
+///
+/// Where the topology stays, both have as many triangles at the same error, and edge collapse is faster; pairs need half as many
+/// where sheets share edges, and a few in a hundred where many parts have come down to what their topology allows.
+fn best_model(survey: &Survey) -> (Model, String) {
+    /// No closed piece has fewer triangles.
+    const LEAST: usize = 4;
+    let least = EdgeCollapseOptions::default().base_triangles;
+    let flaws = survey.non_manifold_edges + survey.non_manifold_vertices + survey.inconsistent_edges;
+    if survey.components * LEAST > least {
+        let pieces = text::count(survey.components as u64);
+        (Model::VertexPair, format!(", since {pieces} pieces must join to come down to {least} triangles"))
+    } else if flaws == 0 {
+        (Model::EdgeCollapse, ", since it is a 2-manifold".to_owned())
+    } else if flaws * 1000 > survey.edges {
+        let flaws = text::count(flaws as u64);
+        let why =
+            format!(", since it is no 2-manifold at {flaws} edges and vertices, and pairs need fewer triangles there");
+        (Model::VertexPair, why)
+    } else {
+        let flaws = text::count(flaws as u64);
+        (
+            Model::EdgeCollapse,
+            format!(", since it is a 2-manifold but for {flaws} edges and vertices, which it takes too"),
+        )
+    }
+}
+
+/// From a mesh to what is stored of a model that takes meshes.
+fn simplify(
+    mesh: &TriangleMesh,
+    report: String,
+    model: Model,
+    because: String,
+    recipe: &Recipe,
+    p: &Phases,
+) -> Result<Built> {
+    let bits = recipe.precision.bits();
+    let stored = match model {
+        Model::EdgeCollapse => {
+            let options = EdgeCollapseOptions { bits, ..EdgeCollapseOptions::default() };
+            Stored::EdgeCollapse(edge_collapse_columns(mesh, &options, p)?)
+        }
+        Model::VertexPair => Stored::VertexPair(vertex_pair_columns(mesh, &recipe.pairing.options(bits), p)?),
+        Model::VertexRemoval => {
+            let options = VertexRemovalOptions { bits, ..VertexRemovalOptions::default() };
+            Stored::VertexRemoval(vertex_removal_columns(mesh, &options, p)?)
+        }
+        Model::RightTriangles => unreachable!("is not made of a mesh"),
+    };
+    let (base, errors, floor) = match &stored {
+        Stored::EdgeCollapse(c) => (&c.base, &c.errors, c.floor_error),
+        Stored::VertexPair(c) => (&c.base, &c.errors, c.floor_error),
+        Stored::VertexRemoval(c) => (&c.base, &c.errors, c.floor_error),
+        Stored::RightTriangles(_) => unreachable!("is not made of a mesh"),
+    };
     Ok(Built {
         report,
         because,
         source_vertices: mesh.positions.len() as u64,
         base_triangles: base.triangles.len(),
-        errors: [*floor_error, errors.iter().copied().fold(*floor_error, f32::max)],
-        diagonal: Bounds::of(&points).map_or(0.0, |b| b.diagonal() as f64),
-        stored: Stored::EdgeCollapse(columns),
-    })
-}
-
-fn remove(mesh: &TriangleMesh, report: String, recipe: &Recipe, because: &'static str, p: &Phases) -> Result<Built> {
-    let options = VertexRemovalOptions { bits: recipe.precision.bits(), ..VertexRemovalOptions::default() };
-    let columns = vertex_removal_columns(mesh, &options, p)?;
-    let (errors, floor) = (&columns.errors, columns.floor_error);
-    Ok(Built {
-        report,
-        because,
-        source_vertices: mesh.positions.len() as u64,
-        base_triangles: columns.base.triangles.len(),
         errors: [floor, errors.iter().copied().fold(floor, f32::max)],
         diagonal: mesh.bounds().map_or(0.0, |b| b.diagonal() as f64),
-        stored: Stored::VertexRemoval(columns),
+        stored,
     })
 }
 
-fn terrain(source: &Path, recipe: &Recipe, because: &'static str, phases: &Phases) -> Result<Built> {
+fn terrain(source: &Path, recipe: &Recipe, phases: &Phases) -> Result<Built> {
     let name = || source.display().to_string();
     let source = input::heights(source, phases)?;
     phases.start("quantize");
@@ -127,7 +172,10 @@ fn terrain(source: &Path, recipe: &Recipe, because: &'static str, phases: &Phase
     hierarchy.roots(|m| errors[1] = errors[1].max(hierarchy.footprint(m).error));
     Ok(Built {
         report: source.report.to_string(),
-        because,
+        because: match recipe.model {
+            Choice::Auto => ", since it is a height field".to_owned(),
+            _ => String::new(),
+        },
         source_vertices: hierarchy.source().vertices.into(),
         base_triangles: hierarchy.base_triangles(),
         errors,

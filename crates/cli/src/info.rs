@@ -85,6 +85,13 @@ fn hierarchy(path: &Path, as_json: bool) -> Result<()> {
         let all = Connectivity::ALL.map(bits).join(", ");
         lines.push(("triangulations", format!("mean bits by code: {all}; entropy {:.2}", entropy(h))));
     }
+    if let Hierarchy::VertexPair(h) = &hierarchy {
+        let hidden = text::count(h.hidden_needs().len() as u64);
+        lines.push((
+            "dependencies",
+            format!("implicit in the numbers of neighbours, but for {hidden} that no triangle shows"),
+        ));
+    }
     text::print(&rows(&lines))
 }
 

@@ -92,10 +92,15 @@ impl Surface {
     pub fn triangles(&self) -> Vec<[Vec3; 3]> {
         self.cells.iter().map(|&c| self.corners(c)).collect()
     }
-    /// The cells that only this surface has, and those that only the other one has.
+    /// The cells that only this surface has, and those that only the other one has: as often as it has more of them.
     pub fn difference(&self, other: &Surface) -> (Vec<Cell>, Vec<Cell>) {
         let only = |a: &Surface, b: &Surface| {
-            a.cells.iter().copied().filter(|c| b.cells.binary_search(c).is_err()).collect::<Vec<_>>()
+            let mut others = b.cells.iter().peekable();
+            let alone = |cell: &Cell| {
+                while others.next_if(|other| *other < cell).is_some() {}
+                others.next_if_eq(&cell).is_none()
+            };
+            a.cells.iter().copied().filter(alone).collect::<Vec<_>>()
         };
         (only(self, other), only(other, self))
     }

@@ -114,7 +114,7 @@ fn whatever_is_glued_together() {
         let updates = Updates::watch(&h);
         updates.footprints_nest(&h);
         full_is_the_source(&updates.full, &source, 0.0);
-        promises(&updates.base, &source, error_in_force(&h, |_| false));
+        promises::<EdgeCollapse>(&updates.base, &source, error_in_force(&h, |_| false));
         wander(&h, &updates, &source, seed);
     }
 }

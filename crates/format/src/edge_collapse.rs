@@ -33,10 +33,10 @@ use lattice::{Lattice, split_from_residual};
 pub(crate) mod attributes;
 mod info;
 pub(crate) mod lattice;
-mod page;
+pub(crate) mod page;
 
-pub(crate) use info::info_of;
 pub use info::inspect;
+pub(crate) use info::{info_of, inspect_splits};
 pub(crate) use lattice::of_ordered_bits;
 #[cfg(feature = "write")]
 pub(crate) use lattice::ordered_bits;
@@ -49,7 +49,8 @@ pub const MODEL: &str = "edge_collapse";
 pub const PAGE_UPDATES: usize = 4096;
 
 /// Every section of this model, in the order of the file.
-const SECTIONS: [&str; 10] = ["META", "BASE", "BNRM", "BCOL", "UTAB", "NTAB", "CTAB", "UPDT", "NRML", "COLR"];
+pub(crate) const SECTIONS: [&str; 10] =
+    ["META", "BASE", "BNRM", "BCOL", "UTAB", "NTAB", "CTAB", "UPDT", "NRML", "COLR"];
 
 const META_LENGTH: usize = 64;
 const UPDATE_ROW: usize = 16;
@@ -97,31 +98,62 @@ pub fn encode(columns: &Columns) -> Result<Vec<u8>, EncodeError> {
 /// Packs columns that passed `check`.
 #[cfg(feature = "write")]
 fn pack(columns: &Columns) -> Result<Vec<u8>, EncodeError> {
-    let lattice = Lattice::new(columns.grid);
-    let base_count = columns.base.positions.len();
-    let updates = columns.vertex.len();
+    let Columns { grid, base, vertex, positions, normals, colors, errors, floor_error, source, .. } = columns;
+    let (grid, floor_error, source) = (*grid, *floor_error, *source);
+    let splits = Splits { grid, base, vertex, positions, normals, colors, errors, floor_error, source };
+    let explicit = |m: usize| columns.explicit.partition_point(|split| split.update.ix() < m);
+    pack_splits(MODEL, &splits, &splits.lattice_indices()?, |range, errors, residuals| {
+        page::encode_page(&page::PageSource {
+            vertex: &vertex[range.clone()],
+            sides: &columns.sides[range.clone()],
+            explicit: &columns.explicit[explicit(range.start)..explicit(range.end)],
+            errors,
+            residuals,
+        })
+    })
+}
 
-    let indices = lattice_indices(columns, &lattice)?;
-    let ranges: Vec<_> = (0..updates.div_ceil(PAGE_UPDATES))
-        .map(|page| page * PAGE_UPDATES..updates.min((page + 1) * PAGE_UPDATES))
-        .collect();
+/// The columns that all models of splits have.
+#[cfg(feature = "write")]
+pub(crate) struct Splits<'a> {
+    pub grid: Option<Grid>,
+    pub base: &'a TriangleMesh,
+    pub vertex: &'a [VertexId],
+    pub positions: &'a [[Vec3; 2]],
+    pub normals: &'a [[Oct; 2]],
+    pub colors: &'a [[[u8; 4]; 2]],
+    pub errors: &'a [f32],
+    pub floor_error: f32,
+    pub source: SourceCounts,
+}
+
+/// The updates of each page.
+#[cfg(feature = "write")]
+pub(crate) fn page_ranges(updates: usize) -> Vec<std::ops::Range<usize>> {
+    (0..updates).step_by(PAGE_UPDATES).map(|at| at..updates.min(at + PAGE_UPDATES)).collect()
+}
+
+/// A file of splits, whole. `page` codes the updates of a page, given their errors as stored, and positions as differences.
+#[cfg(feature = "write")]
+pub(crate) fn pack_splits(
+    model: &str,
+    splits: &Splits,
+    indices: &[[u32; 3]],
+    page: impl Fn(std::ops::Range<usize>, &[f32], &[page::Residuals]) -> Vec<u8> + Sync + Send,
+) -> Result<Vec<u8>, EncodeError> {
+    let Splits { base, vertex, .. } = splits;
+    let (base_count, updates) = (base.positions.len(), vertex.len());
+    let ranges = page_ranges(updates);
     let pages = map_all(ranges.clone(), |range| {
         let residuals: Vec<_> = range
             .clone()
             .map(|m| {
                 let child = base_count + 2 * m;
-                split_residual(indices[columns.vertex[m].ix()], indices[child], indices[child + 1])
+                split_residual(indices[vertex[m].ix()], indices[child], indices[child + 1])
             })
             .collect();
-        let errors: Vec<f32> = columns.errors[range.clone()].iter().map(|&e| round_error_up(e).abs()).collect();
-        let explicit = |m: usize| columns.explicit.partition_point(|split| split.update.ix() < m);
-        let bytes = page::encode_page(&page::PageSource {
-            vertex: &columns.vertex[range.clone()],
-            sides: &columns.sides[range.clone()],
-            explicit: &columns.explicit[explicit(range.start)..explicit(range.end)],
-            errors: &errors,
-            residuals: &residuals,
-        });
+        let errors: Vec<f32> = splits.errors[range.clone()].iter().map(|&e| round_error_up(e).abs()).collect();
+        let bytes = page(range, &errors, &residuals);
         (bytes, errors.into_iter().fold(0.0, f32::max))
     });
 
@@ -136,19 +168,19 @@ fn pack(columns: &Columns) -> Result<Vec<u8>, EncodeError> {
     }
 
     let meta = Meta {
-        flags: flags(columns.grid, &columns.base, !columns.normals.is_empty(), !columns.colors.is_empty()),
-        grid: columns.grid,
+        flags: flags(splits.grid, base, !splits.normals.is_empty(), !splits.colors.is_empty()),
+        grid: splits.grid,
         base_vertices: base_count,
-        base_triangles: columns.base.triangles.len(),
+        base_triangles: base.triangles.len(),
         updates,
-        floor_error: columns.floor_error,
-        source: columns.source,
+        floor_error: splits.floor_error,
+        source: splits.source,
     };
     let stored = |name, bytes| Part { name, codec: Codec::Stored, bytes };
     let coded = |name, bytes| Part { name, codec: Codec::Rans, bytes };
-    let mut head = vec![stored("META", encode_meta(&meta)), coded("BASE", encode_base(&columns.base, &indices))];
+    let mut head = vec![stored("META", encode_meta(&meta)), coded("BASE", encode_base(base, indices))];
     let mut pages = vec![coded("UPDT", body)];
-    let VertexColumns { normals, colors } = &columns.base.vertex;
+    let VertexColumns { normals, colors } = &base.vertex;
     let base_normals: Vec<Oct> = normals.iter().map(|&n| Oct::encode(n)).collect();
     if !normals.is_empty() {
         head.push(coded("BNRM", encode_base_normals(normals)));
@@ -157,18 +189,18 @@ fn pack(columns: &Columns) -> Result<Vec<u8>, EncodeError> {
         head.push(stored("BCOL", colors.concat()));
     }
     head.push(stored("UTAB", table));
-    if !columns.normals.is_empty() {
-        let (table, body) = encode_attribute(&base_normals, base_count, &columns.vertex, &columns.normals, &ranges);
+    if !splits.normals.is_empty() {
+        let (table, body) = encode_attribute(&base_normals, base_count, vertex, splits.normals, &ranges);
         head.push(stored("NTAB", table));
         pages.push(coded("NRML", body));
     }
-    if !columns.colors.is_empty() {
-        let (table, body) = encode_attribute(colors, base_count, &columns.vertex, &columns.colors, &ranges);
+    if !splits.colors.is_empty() {
+        let (table, body) = encode_attribute(colors, base_count, vertex, splits.colors, &ranges);
         head.push(stored("CTAB", table));
         pages.push(coded("COLR", body));
     }
     head.extend(pages);
-    Ok(assemble(MODEL, &head))
+    Ok(assemble(model, &head))
 }
 
 /// Checks what the encoder relies on, and what the decoder will ask for.
@@ -241,41 +273,46 @@ pub(crate) fn grid_fault(grid: &Grid) -> Option<&'static str> {
     }
 }
 
-/// The integers of all vertices, base and children.
 #[cfg(feature = "write")]
-fn lattice_indices(columns: &Columns, lattice: &Lattice) -> Result<Vec<[u32; 3]>, EncodeError> {
-    let base = &columns.base.positions;
-    let children: &[Vec3] = bytemuck::cast_slice(&columns.positions);
-    const CHUNK: usize = 1 << 14;
-    let chunks: Vec<&[Vec3]> = base.chunks(CHUNK).chain(children.chunks(CHUNK)).collect();
-    let mut indices = vec![[0; 3]; base.len() + children.len()];
-    let (base_indices, child_indices) = indices.split_at_mut(base.len());
-    let targets = base_indices.chunks_mut(CHUNK).chain(child_indices.chunks_mut(CHUNK));
-    let firsts = map_all(chunks.into_iter().zip(targets).collect(), |(points, indices)| {
-        for (i, &p) in points.iter().enumerate() {
-            if !p.is_finite() {
-                return Err(i);
+impl Splits<'_> {
+    /// The integers of all vertices, base and children.
+    pub(crate) fn lattice_indices(&self) -> Result<Vec<[u32; 3]>, EncodeError> {
+        let lattice = Lattice::new(self.grid);
+        let base = &self.base.positions;
+        let children: &[Vec3] = bytemuck::cast_slice(self.positions);
+        const CHUNK: usize = 1 << 14;
+        let chunks: Vec<&[Vec3]> = base.chunks(CHUNK).chain(children.chunks(CHUNK)).collect();
+        let mut indices = vec![[0; 3]; base.len() + children.len()];
+        let (base_indices, child_indices) = indices.split_at_mut(base.len());
+        let targets = base_indices.chunks_mut(CHUNK).chain(child_indices.chunks_mut(CHUNK));
+        let firsts = map_all(chunks.into_iter().zip(targets).collect(), |(points, indices)| {
+            for (i, &p) in points.iter().enumerate() {
+                if !p.is_finite() {
+                    return Err(i);
+                }
+                indices[i] = lattice.index(p);
+                if lattice.point(indices[i]) != Some(p) {
+                    return Err(i);
+                }
             }
-            indices[i] = lattice.index(p);
-            if lattice.point(indices[i]) != Some(p) {
-                return Err(i);
+            Ok(points.len())
+        });
+        let mut vertex = 0;
+        for chunk in firsts {
+            match chunk {
+                Ok(length) => vertex += length,
+                Err(i) if self.grid.is_some() => return Err(EncodeError::OffGrid { vertex: (vertex + i) as u32 }),
+                Err(i) if vertex + i < base.len() => {
+                    return Err(InvalidColumns::Base("a coordinate is not finite").into());
+                }
+                Err(i) => {
+                    let update = ((vertex + i - base.len()) / 2) as u32;
+                    return Err(InvalidColumns::Update { update, reason: "a coordinate is not finite" }.into());
+                }
             }
         }
-        Ok(points.len())
-    });
-    let mut vertex = 0;
-    for chunk in firsts {
-        match chunk {
-            Ok(length) => vertex += length,
-            Err(i) if columns.grid.is_some() => return Err(EncodeError::OffGrid { vertex: (vertex + i) as u32 }),
-            Err(i) if vertex + i < base.len() => return Err(InvalidColumns::Base("a coordinate is not finite").into()),
-            Err(i) => {
-                let update = ((vertex + i - base.len()) / 2) as u32;
-                return Err(InvalidColumns::Update { update, reason: "a coordinate is not finite" }.into());
-            }
-        }
+        Ok(indices)
     }
-    Ok(indices)
 }
 
 /// What is there of attributes and grid, as the first number of META.
@@ -643,6 +680,39 @@ pub fn decode(bytes: &[u8], file: &str) -> Result<Columns, ReadError> {
 }
 
 fn decode_opened(opened: &Opened) -> Result<Columns, Fault> {
+    let (unpacked, pages) = unpack_splits(opened, page::decode_page)?;
+    let Unpacked { base, vertex, errors, positions, normals, colors, .. } = unpacked;
+    let Meta { grid, floor_error, source, .. } = opened.meta;
+    let (mut sides, mut explicit) = (Vec::with_capacity(vertex.len()), vec![]);
+    for page in pages {
+        sides.extend(page.0);
+        explicit.extend(page.1);
+    }
+    Ok(Columns { grid, base, vertex, sides, explicit, positions, normals, colors, errors, floor_error, source })
+}
+
+/// Integers of two points.
+pub(crate) type Indices = [[u32; 3]; 2];
+
+/// The columns that all models of splits have.
+pub(crate) struct Unpacked {
+    pub base: TriangleMesh,
+    /// Integers of the base vertices.
+    pub base_indices: Vec<[u32; 3]>,
+    pub vertex: Vec<VertexId>,
+    pub errors: Vec<f32>,
+    pub positions: Vec<[Vec3; 2]>,
+    /// Integers of u and v.
+    pub indices: Vec<Indices>,
+    pub normals: Vec<[Oct; 2]>,
+    pub colors: Vec<[[u8; 4]; 2]>,
+}
+
+/// What a file of splits holds, and for each page what `decode_page` makes of the rest.
+pub(crate) fn unpack_splits<'a, T: Send>(
+    opened: &Opened<'a>,
+    decode_page: impl Fn(Section<'a>, &mut page::PageTarget) -> Result<T, Fault> + Sync + Send,
+) -> Result<(Unpacked, Vec<T>), Fault> {
     let meta = &opened.meta;
     let rows = decode_table(opened.section("UTAB"), opened.section("UPDT"), meta)?;
     let (mut base, base_indices) = decode_base(opened.section("BASE"), meta)?;
@@ -653,65 +723,54 @@ fn decode_opened(opened: &Opened) -> Result<Columns, Fault> {
         base.vertex.colors = decode_base_colors(opened.section("BCOL"), meta.base_vertices)?;
     }
 
-    let mut columns = Columns {
-        grid: meta.grid,
-        vertex: vec![VertexId(0); meta.updates],
-        sides: vec![0; meta.updates],
-        errors: vec![0.0; meta.updates],
-        floor_error: meta.floor_error,
-        source: meta.source,
-        ..Columns::default()
-    };
+    let (mut vertex, mut errors) = (vec![VertexId(0); meta.updates], vec![0.0; meta.updates]);
     let mut residuals = vec![page::Residuals::default(); meta.updates];
     let mut targets = Vec::with_capacity(rows.len());
-    let (mut vertex, mut sides) = (&mut columns.vertex[..], &mut columns.sides[..]);
-    let (mut errors, mut rest) = (&mut columns.errors[..], &mut residuals[..]);
+    let (mut vertex_left, mut errors_left, mut residuals_left) = (&mut vertex[..], &mut errors[..], &mut residuals[..]);
     for row in &rows {
         targets.push((
             row,
             page::PageTarget {
                 first: row.first,
-                vertex: vertex.split_off_mut(..row.updates).expect("counted"),
-                sides: sides.split_off_mut(..row.updates).expect("counted"),
-                errors: errors.split_off_mut(..row.updates).expect("counted"),
-                residuals: rest.split_off_mut(..row.updates).expect("counted"),
+                vertex: vertex_left.split_off_mut(..row.updates).expect("counted"),
+                errors: errors_left.split_off_mut(..row.updates).expect("counted"),
+                residuals: residuals_left.split_off_mut(..row.updates).expect("counted"),
             },
         ));
     }
-    let explicit = map_all(targets, |(row, mut target)| {
-        let explicit = page::decode_page(row.page, &mut target)?;
+    let pages = map_all(targets, |(row, mut target)| {
+        let rest = decode_page(row.page, &mut target)?;
         if target.errors.iter().copied().fold(0.0, f32::max).to_bits() != row.max_error.to_bits() {
             return Err(row.page.fault(0, "largest error is not what UTAB says"));
         }
-        Ok(explicit)
+        Ok(rest)
     });
-    for page in explicit {
-        columns.explicit.extend(page?);
-    }
+    let pages = pages.into_iter().collect::<Result<Vec<T>, Fault>>()?;
 
-    columns.positions = sum_positions(meta, &rows, &columns.vertex, &base_indices, residuals)?;
+    let (positions, indices) = sum_positions(meta, &rows, &vertex, &base_indices, residuals)?;
+    let mut unpacked =
+        Unpacked { base, base_indices, vertex, errors, positions, indices, normals: vec![], colors: vec![] };
+    let (base, vertex) = (&unpacked.base.vertex, &unpacked.vertex);
     if meta.has(HAS_NORMALS) {
-        let base: Vec<Oct> = base.vertex.normals.iter().map(|&n| Oct::encode(n)).collect();
+        let base: Vec<Oct> = base.normals.iter().map(|&n| Oct::encode(n)).collect();
         let (table, body) = (opened.section("NTAB"), opened.section("NRML"));
-        columns.normals = decode_attribute(table, body, &rows, &base, meta.base_vertices, &columns.vertex)?;
+        unpacked.normals = decode_attribute(table, body, &rows, &base, meta.base_vertices, vertex)?;
     }
     if meta.has(HAS_COLORS) {
         let (table, body) = (opened.section("CTAB"), opened.section("COLR"));
-        let base = &base.vertex.colors;
-        columns.colors = decode_attribute(table, body, &rows, base, meta.base_vertices, &columns.vertex)?;
+        unpacked.colors = decode_attribute(table, body, &rows, &base.colors, meta.base_vertices, vertex)?;
     }
-    columns.base = base;
-    Ok(columns)
+    Ok((unpacked, pages))
 }
 
-/// Sums differences along the splits, coarse to fine.
+/// Sums differences along the splits, coarse to fine: points, and their integers.
 fn sum_positions(
     meta: &Meta,
     rows: &[PageRow],
     vertex: &[VertexId],
     base: &[[u32; 3]],
     mut residuals: Vec<page::Residuals>,
-) -> Result<Vec<[Vec3; 2]>, Fault> {
+) -> Result<(Vec<[Vec3; 2]>, Vec<Indices>), Fault> {
     let lattice = Lattice::new(meta.grid);
     let mut positions = vec![[Vec3::ZERO; 2]; meta.updates];
     for row in rows {
@@ -731,7 +790,8 @@ fn sum_positions(
             residuals[m] = children.map(|index| index.map(|i| i as i32));
         }
     }
-    Ok(positions)
+    let indices = residuals.into_iter().map(|pair| pair.map(|index| index.map(|i| i as u32))).collect();
+    Ok((positions, indices))
 }
 
 #[cfg(all(test, feature = "write"))]

@@ -22,6 +22,7 @@ mod info;
 mod parallel;
 mod rans;
 pub mod right_triangles;
+pub mod vertex_pair;
 pub mod vertex_removal;
 
 pub use container::{Codec, MAGIC, VERSION};
@@ -44,6 +45,7 @@ pub fn encode(stored: &Stored) -> Result<Vec<u8>, EncodeError> {
         Stored::EdgeCollapse(columns) => edge_collapse::encode(columns),
         Stored::RightTriangles(columns) => right_triangles::encode(columns),
         Stored::VertexRemoval(columns) => vertex_removal::encode(columns),
+        Stored::VertexPair(columns) => vertex_pair::encode(columns),
     }
 }
 
@@ -59,6 +61,7 @@ pub fn decode(bytes: &[u8], file: &str) -> Result<Stored, ReadError> {
         Model::EdgeCollapse => Stored::EdgeCollapse(edge_collapse::decode(bytes, file)?),
         Model::RightTriangles => Stored::RightTriangles(right_triangles::decode(bytes, file)?),
         Model::VertexRemoval => Stored::VertexRemoval(vertex_removal::decode(bytes, file)?),
+        Model::VertexPair => Stored::VertexPair(vertex_pair::decode(bytes, file)?),
     })
 }
 
@@ -73,6 +76,7 @@ pub fn inspect(bytes: &[u8], file: &str) -> Result<Info, ReadError> {
         Model::EdgeCollapse => edge_collapse::inspect(bytes, file),
         Model::RightTriangles => right_triangles::inspect(bytes, file),
         Model::VertexRemoval => vertex_removal::inspect(bytes, file),
+        Model::VertexPair => vertex_pair::inspect(bytes, file),
     }
 }
 

@@ -18,9 +18,12 @@ use crate::container::Section;
 use crate::container::{Codec, Part, assemble, checksum};
 use crate::edge_collapse::attributes::Attribute;
 use crate::edge_collapse::lattice::Lattice;
-use crate::edge_collapse::{self as shared, Opened};
 #[cfg(feature = "write")]
-use crate::edge_collapse::{Meta, PAGE_UPDATES};
+use crate::edge_collapse::page::join;
+use crate::edge_collapse::page::{check_length, split};
+#[cfg(feature = "write")]
+use crate::edge_collapse::Meta;
+use crate::edge_collapse::{self as shared, Opened};
 use crate::error::{Fault, ReadError};
 use crate::info::{ColumnInfo, Info, PageInfo};
 use crate::parallel::map_all;
@@ -115,7 +118,7 @@ pub fn encode(columns: &Columns) -> Result<Vec<u8>, crate::EncodeError> {
     let normal = |v: usize| if v < vertices { base_normals[v] } else { normals[v - vertices] };
     let color = |v: usize| if v < vertices { base.vertex.colors[v] } else { colors[v - vertices] };
 
-    let ranges: Vec<_> = (0..updates).step_by(PAGE_UPDATES).map(|at| at..updates.min(at + PAGE_UPDATES)).collect();
+    let ranges = shared::page_ranges(updates);
     let rows: Vec<Row> = (0..updates)
         .map(|m| {
             let Patch { cell, edge, boundary, triangulation: Triangulation { corners, index } } = patches[m];
@@ -135,12 +138,8 @@ pub fn encode(columns: &Columns) -> Result<Vec<u8>, crate::EncodeError> {
             })
         })
         .collect::<Result<_, InvalidColumns>>()?;
-    let pages = map_all(ranges.clone(), |range| {
-        let mut page = encode_page(&rows[range.clone()], !normals.is_empty(), !colors.is_empty());
-        // At least a byte each, so that a reader can bound its memory by the file's size.
-        page.resize(page.len().max(range.len()), 0);
-        page
-    });
+    let pages =
+        map_all(ranges.clone(), |range| encode_page(&rows[range.clone()], !normals.is_empty(), !colors.is_empty()));
     let mut table = Vec::new();
     for (page, range) in pages.iter().zip(ranges) {
         let worst = rows[range.clone()].iter().map(|row| row.error).max().unwrap_or(0) << ERROR_SHIFT;
@@ -172,7 +171,6 @@ pub fn encode(columns: &Columns) -> Result<Vec<u8>, crate::EncodeError> {
     Ok(assemble(MODEL, &parts))
 }
 
-/// The length of the stream, and the stream.
 #[cfg(feature = "write")]
 fn encode_page(rows: &[Row], normals: bool, colors: bool) -> Vec<u8> {
     let (mut e, mut models) = (Encoder::default(), Models::new());
@@ -199,22 +197,13 @@ fn encode_page(rows: &[Row], normals: bool, colors: bool) -> Vec<u8> {
         }
         (cell, error) = (row.cell, row.error);
     }
-    let stream = e.finish();
-    let mut page = (stream.len() as u32).to_le_bytes().to_vec();
-    page.extend_from_slice(&stream);
-    page
+    join(&[e.finish()], rows.len())
 }
 
 fn decode_page(page: Section, updates: usize, normals: bool, colors: bool) -> Result<Vec<Row>, Fault> {
-    if page.bytes.len() < 4 {
-        return Err(page.fault(0, "a page without a stream"));
-    }
-    let length = crate::container::u32_at(page.bytes, 0) as usize;
-    let stream = page.bytes[4..].get(..length).ok_or(page.fault(0, "the stream is longer than its page"))?;
-    if page.bytes[4 + length..].iter().any(|&b| b != 0) {
-        return Err(page.fault(4 + length, "a page goes on after its end"));
-    }
-    let (mut d, mut models) = (Decoder::new(stream), Models::new());
+    let ([stream], end) = split(page)?;
+    check_length(page, end, updates)?;
+    let (mut d, mut models) = (Decoder::new(stream.bytes), Models::new());
     let mut rows = Vec::with_capacity(updates);
     let (mut cell, mut error, mut class) = (0u32, 0u32, 0);
     for _ in 0..updates {

@@ -119,25 +119,41 @@ pub(crate) struct Cells {
 }
 
 impl Cells {
-    /// As many triangles as an update may replace and make.
-    const MOST: usize = 96;
+    /// As many triangles as most updates replace and make.
+    const MANY: usize = 96;
 
-    /// Of the corners of M⁻ and M⁺: at most 96 triangles.
+    /// Of the corners of M⁻ and M⁺.
     #[inline]
     pub fn of(triangles: impl Iterator<Item = [Vec3; 3]>) -> Cells {
         let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        let mut normals = ArrayVec::<Vec3, { Cells::MOST }>::new();
+        // Without a call for memory, unless there are many.
+        let (mut normals, mut more) = (ArrayVec::<Vec3, { Cells::MANY }>::new(), vec![]);
         for [a, b, c] in triangles {
             (min, max) = (min.min(a).min(b).min(c), max.max(a).max(b).max(c));
             let normal = (b - a).cross(c - a).normalize_or_zero();
-            if normal != Vec3::ZERO {
-                normals.push(normal);
+            if normal != Vec3::ZERO
+                && let Err(rest) = normals.try_push(normal)
+            {
+                more.push(rest.element());
             }
         }
-        let axis = normals.iter().sum::<Vec3>().normalize_or(Vec3::Z);
-        let cos = normals.iter().map(|n| n.dot(axis)).fold(1.0, f32::min);
+        let all = normals.iter().chain(&more);
+        let axis = all.clone().sum::<Vec3>().normalize_or(Vec3::Z);
+        let cos = all.map(|n| n.dot(axis)).fold(1.0, f32::min);
         Cells { min, max, axis, half_angle: if cos <= 0.0 { PI } else { cos.acos() } }
     }
+}
+
+/// An update's own share of [`TriangleModel::cost`](crate::TriangleModel::cost), where M⁻ is the star of a vertex s: squared
+/// distance of s from the planes of M⁺, times their areas.
+pub(crate) fn step_cost(s: Vec3, fine: impl Iterator<Item = [Vec3; 3]>) -> f32 {
+    fine.map(|[a, b, c]| {
+        let normal = (b - a).cross(c - a);
+        let along = normal.dot(s - a);
+        let length = normal.length();
+        if length > 0.0 { along * along / length } else { 0.0 }
+    })
+    .sum()
 }
 
 impl Frame {

@@ -16,4 +16,5 @@ pub mod vertex_removal;
 pub use edge_collapse::EdgeCollapse;
 pub use model::{AnySurface, Hierarchy, InvalidStored, LiveMesh, Model, SourceCounts, Stored, TriangleModel};
 pub use right_triangles::RightTriangles;
+pub use vertex_pair::VertexPair;
 pub use vertex_removal::VertexRemoval;

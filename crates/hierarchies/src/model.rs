@@ -2,7 +2,8 @@
 
 pub use crate::columns::SourceCounts;
 use crate::live::TriangleBuffers;
-use crate::{EdgeCollapse, RightTriangles, VertexRemoval, edge_collapse, right_triangles, vertex_removal};
+use crate::{EdgeCollapse, RightTriangles, VertexPair, VertexRemoval};
+use crate::{edge_collapse, right_triangles, vertex_pair, vertex_removal};
 use glam::Vec3;
 use meshfront_mesh::Bounds;
 use meshfront_refine::criteria::View;
@@ -20,11 +21,13 @@ pub enum Model {
     RightTriangles,
     /// [`VertexRemoval`]
     VertexRemoval,
+    /// [`VertexPair`]
+    VertexPair,
 }
 
 impl Model {
     /// All of them.
-    pub const ALL: [Model; 3] = [Model::EdgeCollapse, Model::RightTriangles, Model::VertexRemoval];
+    pub const ALL: [Model; 4] = [Model::EdgeCollapse, Model::RightTriangles, Model::VertexRemoval, Model::VertexPair];
 
     /// As on the command line and in files.
     pub fn name(self) -> &'static str {
@@ -32,6 +35,7 @@ impl Model {
             Model::EdgeCollapse => "edge_collapse",
             Model::RightTriangles => "right_triangles",
             Model::VertexRemoval => "vertex_removal",
+            Model::VertexPair => "vertex_pair",
         }
     }
     /// The model of such a name.
@@ -84,6 +88,8 @@ pub enum Hierarchy {
     RightTriangles(RightTriangles),
     /// See [`VertexRemoval`].
     VertexRemoval(VertexRemoval),
+    /// See [`VertexPair`].
+    VertexPair(VertexPair),
 }
 
 /// What is stored of a hierarchy of any model.
@@ -95,6 +101,8 @@ pub enum Stored {
     RightTriangles(right_triangles::Columns),
     /// See [`vertex_removal::Columns`].
     VertexRemoval(vertex_removal::Columns),
+    /// See [`vertex_pair::Columns`].
+    VertexPair(vertex_pair::Columns),
 }
 
 /// Why stored columns are no hierarchy.
@@ -123,6 +131,7 @@ macro_rules! with_model {
             $crate::Hierarchy::EdgeCollapse($h) => $body,
             $crate::Hierarchy::RightTriangles($h) => $body,
             $crate::Hierarchy::VertexRemoval($h) => $body,
+            $crate::Hierarchy::VertexPair($h) => $body,
         }
     };
 }
@@ -134,6 +143,7 @@ impl Stored {
             Stored::EdgeCollapse(_) => Model::EdgeCollapse,
             Stored::RightTriangles(_) => Model::RightTriangles,
             Stored::VertexRemoval(_) => Model::VertexRemoval,
+            Stored::VertexPair(_) => Model::VertexPair,
         }
     }
 }
@@ -148,6 +158,7 @@ impl Hierarchy {
             Stored::EdgeCollapse(columns) => Hierarchy::EdgeCollapse(EdgeCollapse::new(columns)?),
             Stored::RightTriangles(columns) => Hierarchy::RightTriangles(RightTriangles::new(columns)?),
             Stored::VertexRemoval(columns) => Hierarchy::VertexRemoval(VertexRemoval::new(columns)?),
+            Stored::VertexPair(columns) => Hierarchy::VertexPair(VertexPair::new(columns)?),
         })
     }
     /// The columns as stored.

@@ -10,8 +10,13 @@
 //! | `knot`    | tube around a (2, 3) torus knot       | none     | genus 1, self-occlusion, parts near each other   |
 //! | `terrain` | fractal height field, y up            | square   | boundaries, view-dependence                      |
 //! | `scan`    | bumpy closed shape, range noise, holes| 5 holes  | what a range scanner gives                       |
+//! | `assembly`| 200 machine parts that do not touch   | none     | many objects, holes through plates, slivers      |
 //!
 //! [`terrain_heights`] gives the heights of a terrain as surveyors store them. [`defects`] has small meshes with one thing wrong (or unusual) each.
+
+mod assembly;
+
+pub use assembly::assembly;
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt;
@@ -32,11 +37,13 @@ pub enum Sample {
     Terrain,
     /// [`scan`]
     Scan,
+    /// [`assembly`]
+    Assembly,
 }
 
 impl Sample {
     /// All of them, in the order of the module's table.
-    pub const ALL: [Sample; 4] = [Sample::Sphere, Sample::Knot, Sample::Terrain, Sample::Scan];
+    pub const ALL: [Sample; 5] = [Sample::Sphere, Sample::Knot, Sample::Terrain, Sample::Scan, Sample::Assembly];
 
     /// The name that [`FromStr`] reads.
     pub fn name(self) -> &'static str {
@@ -45,6 +52,7 @@ impl Sample {
             Sample::Knot => "knot",
             Sample::Terrain => "terrain",
             Sample::Scan => "scan",
+            Sample::Assembly => "assembly",
         }
     }
 
@@ -55,6 +63,7 @@ impl Sample {
             Sample::Knot => knot(triangles),
             Sample::Terrain => terrain(triangles),
             Sample::Scan => scan(triangles),
+            Sample::Assembly => assembly(triangles),
         }
     }
 }
@@ -67,7 +76,7 @@ impl fmt::Display for Sample {
 
 /// No sample has this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no sample mesh is called {0:?}: there are sphere, knot, terrain and scan")]
+#[error("no sample mesh is called {0:?}: there are sphere, knot, terrain, scan and assembly")]
 pub struct UnknownSample(pub String);
 
 impl FromStr for Sample {

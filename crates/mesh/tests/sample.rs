@@ -107,10 +107,16 @@ impl Union {
 #[test]
 fn samples_have_about_the_wanted_size_and_are_repeatable() {
     for sample in Sample::ALL {
-        for wanted in [500, 3_000, 20_000] {
+        // 200 parts cannot be made of 3,000 triangles, and each step in roundness is a step in all of them.
+        let sizes = if sample == Sample::Assembly { [25_000, 50_000, 100_000] } else { [500, 3_000, 20_000] };
+        for wanted in sizes {
             let mesh = sample.make(wanted);
             let off = mesh.triangles.len().abs_diff(wanted) as f64;
-            let allowed = if sample == Sample::Scan && wanted < 3_000 { 0.3 * wanted as f64 } else { 0.0 };
+            let allowed = match sample {
+                Sample::Scan if wanted < 3_000 => 0.3 * wanted as f64,
+                Sample::Assembly => 0.15 * wanted as f64,
+                _ => 0.0,
+            };
             assert!(off <= allowed + 0.02 * wanted as f64 + 4.0 * (wanted as f64).sqrt(), "{sample} {wanted}: {off}");
             assert_eq!(mesh, sample.make(wanted));
             assert_eq!(sample.name().parse(), Ok(sample));
@@ -165,6 +171,33 @@ fn scan_is_one_shell_with_five_holes() {
         assert_eq!((c.components, c.boundary_loops, c.crowded_edges, c.flipped_edges), (1, 5, 0, 0), "{wanted}");
         assert_eq!((c.euler, c.bow_ties), (2 - 5, 0), "{wanted}");
         assert!(c.volume > 1.0);
+    }
+}
+
+#[test]
+fn assembly_is_two_hundred_closed_parts_that_do_not_touch() {
+    for wanted in [0, 40_000] {
+        let mesh = sample::assembly(wanted);
+        let c = census(&mesh);
+        assert_eq!((c.components, c.boundary_edges, c.crowded_edges, c.flipped_edges, c.bow_ties), (200, 0, 0, 0, 0));
+        // Nine holes go through each of forty plates, one through each of twenty bushings.
+        assert_eq!(c.euler, 2 * 200 - 2 * (40 * 9 + 20));
+        let mut part = Union::new(mesh.positions.len());
+        mesh.triangles.iter().for_each(|t| (1..3).for_each(|k| part.join(t[0].ix(), t[k].ix())));
+        let mut volumes: HashMap<usize, f64> = HashMap::new();
+        for t in &mesh.triangles {
+            let [a, b, c] = t.map(|v: VertexId| mesh.positions[v.ix()].as_dvec3());
+            *volumes.entry(part.root(t[0].ix())).or_default() += a.dot(b.cross(c)) / 6.0;
+        }
+        assert!(volumes.values().all(|v| *v > 0.0), "each part faces out");
+        let mut along: Vec<usize> = (0..mesh.positions.len()).collect();
+        let at = |v: usize| mesh.positions[v];
+        along.sort_by(|a, b| at(*a).x.total_cmp(&at(*b).x));
+        for (i, &a) in along.iter().enumerate() {
+            for &b in along[i + 1..].iter().take_while(|b| at(**b).x - at(a).x < 0.004) {
+                assert!(part.root(a) == part.root(b) || at(a).distance(at(b)) > 0.004);
+            }
+        }
     }
 }
 

@@ -25,6 +25,8 @@ pub use meshfront_simplify as simplify;
 
 #[cfg(feature = "compare")]
 pub mod compare;
+#[cfg(all(feature = "compare", feature = "simplify"))]
+pub mod dependencies;
 pub mod extract;
 pub mod fly_by;
 pub mod survey;
@@ -35,10 +37,12 @@ pub use extract::{Everything, Extracted, extract, extract_cells, finest, promise
 pub use survey::{Survey, survey};
 
 pub use meshfront_hierarchies::{
-    AnySurface, EdgeCollapse, Hierarchy, LiveMesh, Model, RightTriangles, Stored, TriangleModel, with_model,
+    AnySurface, EdgeCollapse, Hierarchy, LiveMesh, Model, RightTriangles, Stored, TriangleModel, VertexPair, with_model,
 };
 pub use meshfront_mesh::{HeightField, TriangleMesh};
 pub use meshfront_refine::criteria::Uniform;
 pub use meshfront_refine::{Camera, Front, Outcome, Request, Step, ViewOptions, Viewed, adapt_together, view};
 #[cfg(feature = "simplify")]
-pub use meshfront_simplify::{EdgeCollapseOptions, RightTrianglesOptions, edge_collapse, right_triangles};
+pub use meshfront_simplify::{
+    EdgeCollapseOptions, RightTrianglesOptions, VertexPairOptions, edge_collapse, right_triangles, vertex_pair,
+};

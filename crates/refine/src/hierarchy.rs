@@ -97,7 +97,8 @@ pub trait MultiTessellation {
     }
     /// The footprint of an update.
     fn footprint(&self, m: UpdateId) -> Footprint;
-    /// Visits every update that needs nothing.
+    /// Visits every update that needs nothing. Where dependencies read the mesh: every one that is nobody's child; what else
+    /// it needs is asked when it is wanted.
     fn roots(&self, visit: impl FnMut(UpdateId));
     /// Visits the updates that may become legal once `m` is applied. It depends on nothing live.
     fn children(&self, m: UpdateId, visit: impl FnMut(UpdateId));

@@ -17,6 +17,8 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 /// A record that points can be followed through: which cells each step replaces by which, fine to coarse.
 pub(crate) trait Trail: Sync {
+    /// What a [`Way`] fits into: more bits for more coarse cells in a step.
+    type Word: Word;
     /// Whether the coarse cells of a step are a fan, each next to the one before.
     const FAN: bool;
     /// Whether all vertices of coarse cells are where the source has one. The distance of a source triangle from the coarse
@@ -35,44 +37,78 @@ pub(crate) trait Trail: Sync {
     /// Where the vertices are that a step takes away.
     fn gone(&self, step: usize) -> impl Iterator<Item = Vec3>;
     /// Where points go, given the number of source triangles.
-    fn ways(&self, triangles: usize) -> Ways;
+    fn ways(&self, triangles: usize) -> Ways<Self::Word>;
+}
+
+/// What holds a [`Way`].
+pub(crate) trait Word: Copy + PartialEq + Send + Sync {
+    /// As many coarse cells as a step may have.
+    const MOST_CELLS: usize;
+    const MAX: Self;
+    fn pack(bits: u64) -> Self;
+    fn bits(self) -> u64;
+}
+
+impl Word for u32 {
+    const MOST_CELLS: usize = 32;
+    const MAX: u32 = u32::MAX;
+    #[inline]
+    fn pack(bits: u64) -> u32 {
+        bits as u32
+    }
+    #[inline]
+    fn bits(self) -> u64 {
+        self as u64
+    }
+}
+
+/// For large stars.
+impl Word for u64 {
+    const MOST_CELLS: usize = 1 << 20;
+    const MAX: u64 = u64::MAX;
+    #[inline]
+    fn pack(bits: u64) -> u64 {
+        bits
+    }
+    #[inline]
+    fn bits(self) -> u64 {
+        self
+    }
 }
 
 /// Where the points on a cell go next.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Way(u32);
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) struct Way<W>(W);
 
-impl Way {
+impl<W: Word> Way<W> {
     /// Nowhere: no step replaces the cell.
-    pub const NONE: Way = Way(u32::MAX);
-    /// As many coarse cells as a step may have.
-    pub const MOST_CELLS: usize = 32;
-    const BITS: u32 = Way::MOST_CELLS.trailing_zeros();
+    pub const NONE: Way<W> = Way(W::MAX);
+    const BITS: u32 = W::MOST_CELLS.trailing_zeros();
 
     /// To the place-th coarse cell of a step, which is the cell itself, moved.
-    pub fn stays(step: usize, place: usize) -> Way {
-        Way((step as u32) << (Way::BITS + 1) | place as u32)
+    pub fn stays(step: usize, place: usize) -> Way<W> {
+        Way(W::pack((step as u64) << (Self::BITS + 1) | place as u64))
     }
     /// To the coarse cells of a step, of which the place-th is near: the cell itself is gone.
-    pub fn vanishes(step: usize, place: usize) -> Way {
-        Way(Way::stays(step, place).0 | 1 << Way::BITS)
+    pub fn vanishes(step: usize, place: usize) -> Way<W> {
+        Way(W::pack(Self::stays(step, place).0.bits() | 1 << Self::BITS))
     }
     pub fn step(self) -> usize {
-        (self.0 >> (Way::BITS + 1)) as usize
+        (self.0.bits() >> (Self::BITS + 1)) as usize
     }
     fn place(self) -> usize {
-        self.0 as usize & (Way::MOST_CELLS - 1)
+        self.0.bits() as usize & (W::MOST_CELLS - 1)
     }
     fn is_to_itself(self) -> bool {
-        self.0 >> Way::BITS & 1 == 0
+        self.0.bits() >> Self::BITS & 1 == 0
     }
 }
 
-pub(crate) struct Ways {
+pub(crate) struct Ways<W> {
     /// Per source triangle: where its points go first.
-    pub first: Vec<Way>,
+    pub first: Vec<Way<W>>,
     /// Per coarse cell: where the points on it go next.
-    pub next: Vec<Way>,
+    pub next: Vec<Way<W>>,
 }
 
 pub(crate) struct Errors {
@@ -233,10 +269,10 @@ fn seen_from(p: Vec3, corners: [Vec3; 3]) -> [Vec3; 3] {
 }
 
 /// What points are followed through.
-struct Walk<'a, T> {
+struct Walk<'a, T: Trail> {
     trail: &'a T,
     sampling: Sampling,
-    ways: &'a Ways,
+    ways: &'a Ways<T::Word>,
     moved: &'a [f32],
     squared: &'a [AtomicU32],
 }

@@ -11,14 +11,24 @@ use crate::info::{ColumnInfo, Info, PageInfo};
 /// # Errors
 /// [`ReadError`], with section and offset.
 pub fn inspect(bytes: &[u8], file: &str) -> Result<Info, ReadError> {
+    inspect_splits(bytes, file, MODEL, page::COLUMNS)
+}
+
+/// The same for every model of splits; `columns` are those of its pages.
+pub(crate) fn inspect_splits<const N: usize>(
+    bytes: &[u8],
+    file: &str,
+    model: &'static str,
+    columns: [&'static str; N],
+) -> Result<Info, ReadError> {
     let opened = Opened::new(bytes, file)?;
     let Opened { meta, sections } = &opened;
     let body = opened.section("UPDT");
     let rows = decode_table(opened.section("UTAB"), body, meta).map_err(|f| f.in_file(file))?;
-    let mut totals = [0u64; page::COLUMNS.len()];
+    let mut totals = [0u64; N];
     let mut pages = Vec::with_capacity(rows.len());
     for row in &rows {
-        let lengths = page::stream_lengths(row.page).map_err(|f| f.in_file(file))?;
+        let lengths = page::stream_lengths::<N>(row.page).map_err(|f| f.in_file(file))?;
         for (total, length) in totals.iter_mut().zip(lengths) {
             *total += length as u64;
         }
@@ -35,12 +45,12 @@ pub fn inspect(bytes: &[u8], file: &str) -> Result<Info, ReadError> {
         Some(ColumnInfo { name, bytes: section.bytes.len() as u64 })
     });
     Ok(Info {
-        columns: std::iter::zip(page::COLUMNS, totals)
+        columns: std::iter::zip(columns, totals)
             .map(|(name, bytes)| ColumnInfo { name, bytes })
             .chain(attribute_columns)
             .collect(),
         pages,
-        ..info_of(MODEL, bytes, body.offset, &opened, &rows)
+        ..info_of(model, bytes, body.offset, &opened, &rows)
     })
 }
 

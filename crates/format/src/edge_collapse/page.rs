@@ -12,8 +12,6 @@ use crate::rans::{Encoder, encode_int};
 
 /// Columns of a page, in the order of their streams.
 pub(super) const COLUMNS: [&str; 5] = ["vertex", "sides", "explicit", "errors", "positions"];
-/// Lengths of the streams, before them.
-const LENGTHS: usize = 4 * COLUMNS.len();
 
 /// Low bits of an error that are always zero: what is left is 1/16 of an octave.
 pub(super) const ERROR_SHIFT: u32 = 19;
@@ -22,7 +20,7 @@ pub(super) const ERROR_SHIFT: u32 = 19;
 const OCTAVES: usize = 32;
 
 /// Differences of both new points from s, per update: edge, then middle.
-pub(super) type Residuals = [[i32; 3]; 2];
+pub(crate) type Residuals = [[i32; 3]; 2];
 
 /// The models of the position column: all but the first by the octave of the longest part of the edge so far.
 struct PositionModels {
@@ -65,68 +63,86 @@ pub(super) struct PageSource<'a> {
 
 #[cfg(feature = "write")]
 pub(super) fn encode_page(page: &PageSource) -> Vec<u8> {
-    let streams: [Vec<u8>; 5] = [
+    let streams = [
         encode_vertex(page.vertex),
         encode_sides(page.sides),
         encode_explicit(page.explicit),
         encode_errors(page.errors),
         encode_positions(page.residuals),
     ];
-    let mut bytes = Vec::with_capacity(LENGTHS + streams.iter().map(Vec::len).sum::<usize>());
-    for stream in &streams {
+    join(&streams, page.vertex.len())
+}
+
+/// Streams as a page: their lengths, the streams, zeros up to `least` bytes, so that a reader can bound its memory by the
+/// file's size.
+#[cfg(feature = "write")]
+pub(crate) fn join<const N: usize>(streams: &[Vec<u8>; N], least: usize) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(4 * N + streams.iter().map(Vec::len).sum::<usize>());
+    for stream in streams {
         bytes.extend_from_slice(&(stream.len() as u32).to_le_bytes());
     }
-    for stream in &streams {
+    for stream in streams {
         bytes.extend_from_slice(stream);
     }
-    // At least a byte an update, so that a reader can bound its memory by the file's size.
-    bytes.resize(bytes.len().max(page.vertex.len()), 0);
+    bytes.resize(bytes.len().max(least), 0);
     bytes
 }
 
-/// Where the columns of a page go.
-pub(super) struct PageTarget<'a> {
+/// Where the columns go that all models of splits have.
+pub(crate) struct PageTarget<'a> {
     /// The page's first update.
-    pub(super) first: usize,
-    pub(super) vertex: &'a mut [VertexId],
-    pub(super) sides: &'a mut [u32],
-    pub(super) errors: &'a mut [f32],
-    pub(super) residuals: &'a mut [Residuals],
+    pub(crate) first: usize,
+    pub(crate) vertex: &'a mut [VertexId],
+    pub(crate) errors: &'a mut [f32],
+    pub(crate) residuals: &'a mut [Residuals],
 }
 
 /// Byte lengths of a page's streams, checked against the page.
-pub(super) fn stream_lengths(page: Section) -> Result<[usize; 5], Fault> {
-    if page.bytes.len() < LENGTHS {
+pub(crate) fn stream_lengths<const N: usize>(page: Section) -> Result<[usize; N], Fault> {
+    if page.bytes.len() < 4 * N {
         return Err(page.fault(0, "page is shorter than its header"));
     }
     let lengths = std::array::from_fn(|i| u32_at(page.bytes, 4 * i) as usize);
     let total = lengths.iter().map(|&l| l as u64).sum::<u64>();
-    if total > (page.bytes.len() - LENGTHS) as u64 {
+    if total > (page.bytes.len() - 4 * N) as u64 {
         return Err(page.fault(0, "columns are longer than their page"));
     }
     Ok(lengths)
 }
 
-/// Fills the target; returns the page's explicit splits.
-pub(super) fn decode_page(page: Section, target: &mut PageTarget) -> Result<Vec<ExplicitSplit>, Fault> {
-    let lengths = stream_lengths(page)?;
-    let mut at = LENGTHS;
-    let [vertex, sides, explicit, errors, positions] = lengths.map(|length| {
+/// The streams of a page, and where they end.
+pub(crate) fn split<'a, const N: usize>(page: Section<'a>) -> Result<([Section<'a>; N], usize), Fault> {
+    let mut at = 4 * N;
+    let streams = stream_lengths(page)?.map(|length| {
         let stream = Section { offset: page.offset + at, bytes: &page.bytes[at..at + length], ..page };
         at += length;
         stream
     });
-    if page.bytes[at..].iter().any(|&b| b != 0) || page.bytes.len() > at.max(target.vertex.len()) {
+    if page.bytes[at..].iter().any(|&b| b != 0) {
         return Err(page.fault(at, "page holds more than its columns"));
     }
-    decode_vertex(vertex, target.vertex)?;
-    decode_sides(sides, target.sides)?;
-    decode_errors(errors, target.errors)?;
-    decode_positions(positions, target.residuals)?;
-    decode_explicit(explicit, target.first, target.sides)
+    Ok((streams, at))
 }
 
-fn ended(decoder: Decoder, stream: Section) -> Result<(), Fault> {
+/// Whether a page whose streams end at `end` is no longer than that, or than `least`.
+pub(crate) fn check_length(page: Section, end: usize, least: usize) -> Result<(), Fault> {
+    if page.bytes.len() > end.max(least) { Err(page.fault(end, "page holds more than its columns")) } else { Ok(()) }
+}
+
+/// Fills the target; returns the page's sides and explicit splits.
+pub(super) fn decode_page(page: Section, target: &mut PageTarget) -> Result<(Vec<u32>, Vec<ExplicitSplit>), Fault> {
+    let ([vertex, sides, explicit, errors, positions], end) = split(page)?;
+    check_length(page, end, target.vertex.len())?;
+    decode_vertex(vertex, target.vertex)?;
+    let mut masks = vec![0; target.vertex.len()];
+    decode_sides(sides, &mut masks)?;
+    decode_errors(errors, target.errors)?;
+    decode_positions(positions, target.residuals)?;
+    let explicit = decode_explicit(explicit, target.first, &masks)?;
+    Ok((masks, explicit))
+}
+
+pub(crate) fn ended(decoder: Decoder, stream: Section) -> Result<(), Fault> {
     if decoder.finish() { Ok(()) } else { Err(stream.fault(0, "column does not end where its stream does")) }
 }
 
@@ -160,7 +176,7 @@ impl Trails {
 }
 
 #[cfg(feature = "write")]
-fn encode_vertex(vertex: &[VertexId]) -> Vec<u8> {
+pub(crate) fn encode_vertex(vertex: &[VertexId]) -> Vec<u8> {
     let (mut encoder, mut trails) = (Encoder::default(), Trails::default());
     let (mut which, mut steps) = (Model::<TRAILS>::new(), int_models::<TRAILS>());
     for v in vertex {
@@ -173,7 +189,7 @@ fn encode_vertex(vertex: &[VertexId]) -> Vec<u8> {
     encoder.finish()
 }
 
-fn decode_vertex(stream: Section, vertex: &mut [VertexId]) -> Result<(), Fault> {
+pub(crate) fn decode_vertex(stream: Section, vertex: &mut [VertexId]) -> Result<(), Fault> {
     let (mut decoder, mut trails) = (Decoder::new(stream.bytes), Trails::default());
     let (mut which, mut steps) = (Model::<TRAILS>::new(), int_models::<TRAILS>());
     for v in vertex {
@@ -229,7 +245,7 @@ fn octave_of(error: f32) -> u32 {
 
 /// Runs, the sixteenths.
 #[cfg(feature = "write")]
-fn encode_errors(errors: &[f32]) -> Vec<u8> {
+pub(crate) fn encode_errors(errors: &[f32]) -> Vec<u8> {
     let runs: Vec<_> = errors.chunk_by(|&a, &b| octave_of(a) == octave_of(b)).collect();
     let mut bytes = (runs.len() as u32).to_le_bytes().to_vec();
     for run in runs {
@@ -243,7 +259,7 @@ fn encode_errors(errors: &[f32]) -> Vec<u8> {
     bytes
 }
 
-fn decode_errors(stream: Section, errors: &mut [f32]) -> Result<(), Fault> {
+pub(crate) fn decode_errors(stream: Section, errors: &mut [f32]) -> Result<(), Fault> {
     let Some((count, rest)) = stream.bytes.split_first_chunk::<4>() else {
         return Err(stream.fault(0, "octaves are missing"));
     };
@@ -293,7 +309,7 @@ fn across(along: i32, edge_main: i32, edge_other: i32) -> i32 {
 }
 
 #[cfg(feature = "write")]
-fn encode_positions(residuals: &[Residuals]) -> Vec<u8> {
+pub(crate) fn encode_positions(residuals: &[Residuals]) -> Vec<u8> {
     let (mut encoder, mut models) = (Encoder::default(), PositionModels::new());
     for [edge, middle] in residuals {
         let mut largest = encode_int(&mut encoder, &mut models.first, edge[0]);
@@ -311,7 +327,7 @@ fn encode_positions(residuals: &[Residuals]) -> Vec<u8> {
     encoder.finish()
 }
 
-fn decode_positions(stream: Section, residuals: &mut [Residuals]) -> Result<(), Fault> {
+pub(crate) fn decode_positions(stream: Section, residuals: &mut [Residuals]) -> Result<(), Fault> {
     let (mut decoder, mut models) = (Decoder::new(stream.bytes), PositionModels::new());
     for [edge, middle] in residuals {
         let (x, mut largest) = decode_int(&mut decoder, &mut models.first);

@@ -4,7 +4,7 @@ use super::columns::Columns;
 use super::front_mesh::{Added, AddedList, FrontMesh, MAX_ADDED, Star, StarCorner, gap_triangle, gaps};
 use super::{EdgeCollapse, Node, Split};
 use crate::columns::{InvalidColumns, check_base, check_lengths, check_update};
-use crate::footprint::{Cells, Frame, PackedFootprint};
+use crate::footprint::{Cells, Frame, PackedFootprint, step_cost};
 use crate::lists::UpdateLists;
 use crate::live::Most;
 use crate::quantize::{Oct, Places};
@@ -14,17 +14,6 @@ use meshfront_refine::{MultiTessellation, UpdateId};
 
 /// Ids must leave room for triangle numbers and for corners, which are four times a slot.
 const MAX_UPDATES: usize = 1 << 28;
-
-/// The update's own share of [`TriangleModel::cost`](crate::TriangleModel::cost): squared distance of s from the planes of M⁺, times their areas.
-fn step_cost(s: Vec3, fine: impl Iterator<Item = [Vec3; 3]>) -> f32 {
-    fine.map(|[a, b, c]| {
-        let normal = (b - a).cross(c - a);
-        let along = normal.dot(s - a);
-        let length = normal.length();
-        if length > 0.0 { along * along / length } else { 0.0 }
-    })
-    .sum()
-}
 
 pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
     check_shape(&columns)?;

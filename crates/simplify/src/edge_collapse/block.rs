@@ -1,5 +1,6 @@
 //! One block of the mesh, decimated on its own: cheapest edge first, every collapse written down.
 
+use crate::link::{Link, count_neighbours, fans};
 use crate::metrics::quadric::Quadric;
 use glam::{DVec3, Vec3};
 use meshfront_hierarchies::edge_collapse::{Columns, Grid};
@@ -318,26 +319,6 @@ impl Block {
     }
 }
 
-/// Into how many connected fans the edges opposite to a vertex fall.
-fn fans(edges: &mut Vec<[u32; 2]>) -> usize {
-    let mut fans = 0;
-    let mut frontier = vec![];
-    while let Some(first) = edges.pop() {
-        fans += 1;
-        frontier.extend(first);
-        while let Some(x) = frontier.pop() {
-            edges.retain(|e| {
-                let meets = e.contains(&x);
-                if meets {
-                    frontier.extend(e);
-                }
-                !meets
-            });
-        }
-    }
-    fans
-}
-
 /// Puts each triangle next to the one that begins where it ends.
 fn sort_fan(star: &mut [StarTriangle]) {
     let opens = |t: &StarTriangle| !star.iter().any(|o| o.before == t.after);
@@ -368,22 +349,8 @@ struct Step {
     on_rim: bool,
 }
 
-fn count_neighbours(near: &mut Vec<(u32, u32)>, triangle: (u32, u32)) {
-    for x in <[u32; 2]>::from(triangle) {
-        match near.iter_mut().find(|(y, _)| *y == x) {
-            Some((_, n)) => *n += 1,
-            None => near.push((x, 1)),
-        }
-    }
-}
-
-fn uses(near: &[(u32, u32)], x: u32) -> u32 {
-    near.iter().find(|(y, _)| *y == x).map_or(0, |(_, n)| *n)
-}
-
 impl Step {
-    /// Collects both stars; `false` where merging would change the topology (link condition for complexes,
-    /// `dey1999`, where an edge with other than two triangles counts as a rim) or exceed what a split may hold.
+    /// Collects both stars; `false` where merging would change the topology or exceed what a split may hold.
     fn gather(&mut self, mesh: &Block, u: u32, v: u32) -> bool {
         let Step { stay_u, stay_v, shared, near_u, near_v, ring, on_rim } = self;
         for list in [&mut *stay_u, &mut *stay_v] {
@@ -421,38 +388,12 @@ impl Step {
             return false;
         }
         let is_third = |x: u32| shared.iter().any(|&(_, w, _)| w == x);
-        for (i, &(_, w, _)) in shared.iter().enumerate() {
-            if shared[..i].iter().any(|&(_, other, _)| other == w) {
-                return false; // two triangles with the same corners
-            }
-            if uses(near_u, w) != 2 && uses(near_v, w) != 2 {
-                return false; // two rims would become one
-            }
+        let ties = [u, v].map(|x| mesh.bow_tie[x as usize]);
+        let pair = Link { pair: [u, v], stay: [stay_u, stay_v], shared, near: [near_u, near_v], ties };
+        match pair.merges() {
+            Some(rim) => *on_rim = rim,
+            None => return false,
         }
-        for &(x, _) in near_u.iter() {
-            if x != v && uses(near_v, x) > 0 && !is_third(x) {
-                return false; // a cycle of three edges without a triangle would close
-            }
-        }
-        for &(_, a, b) in stay_u.iter() {
-            if is_third(a) && is_third(b) && stay_v.iter().any(|&(_, c, d)| (c, d) == (a, b) || (c, d) == (b, a)) {
-                return false; // two triangles would become one
-            }
-        }
-        let rims = |near: &[(u32, u32)]| near.iter().filter(|(_, n)| *n != 2).count();
-        let (rims_u, rims_v) = (rims(near_u), rims(near_v));
-        let (tie_u, tie_v) = (mesh.bow_tie[u as usize], mesh.bow_tie[v as usize]);
-        if (rims_u > 0 || tie_u) && (rims_v > 0 || tie_v) {
-            // A curve goes on through a vertex where its two edges have equally many triangles; else it ends there.
-            let end = |near: &[(u32, u32)], tie: bool| {
-                let mut rims = near.iter().map(|&(_, n)| n).filter(|&n| n != 2);
-                tie || rims.next().is_some_and(|first| rims.next() != Some(first) || rims.next().is_some())
-            };
-            if shared.len() == 2 || (end(near_u, tie_u) && end(near_v, tie_v)) {
-                return false; // two rims would touch, or two of their ends
-            }
-        }
-        *on_rim = rims_u + rims_v > 0;
         ring.extend(near_u.iter().map(|e| e.0).filter(|&x| x != v));
         ring.extend(near_v.iter().map(|e| e.0).filter(|&x| x != u && !is_third(x)));
         true

@@ -1,16 +1,17 @@
 //! How points of the source find their way through a record of collapses.
 
 use super::collapse::Record;
-use crate::measure::{Trail, Way, Ways};
+use crate::measure::{Trail, Way, Ways, Word};
 use glam::Vec3;
 use meshfront_hierarchies::edge_collapse::Columns;
 use meshfront_mesh::VertexId;
 use std::ops::Range;
 
-const _: () = assert!(Columns::MAX_STAR < Way::MOST_CELLS);
+const _: () = assert!(Columns::MAX_STAR < <u32 as Word>::MOST_CELLS);
 
 /// Coarse cells are those of the stars.
 impl Trail for Record {
+    type Word = u32;
     const FAN: bool = true;
     const KEEPS_VERTICES: bool = false;
 
@@ -37,7 +38,7 @@ impl Trail for Record {
         [collapse.u, collapse.v].map(|v| self.positions[v as usize]).into_iter()
     }
 
-    fn ways(&self, triangles: usize) -> Ways {
+    fn ways(&self, triangles: usize) -> Ways<u32> {
         let mut touch = vec![Way::NONE; triangles];
         let mut next = vec![Way::NONE; self.star.len()];
         for i in (0..self.collapses.len()).rev() {

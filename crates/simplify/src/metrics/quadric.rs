@@ -1,7 +1,8 @@
 //! Quadric error metric (`garland1997`): the weighted sum of squared distances to a set of planes, as a symmetric
 //! 4 × 4 form. Its square root is a priority, never an error that is shown: errors are measured.
 
-use glam::{DMat3, DVec3};
+use super::{End, Metric};
+use glam::{DMat3, DVec3, Vec3};
 use std::ops::{Add, AddAssign, Mul};
 
 /// xᵀAx + 2bᵀx + c, in units of weight times length squared.
@@ -74,6 +75,67 @@ impl AddAssign for Quadric {
     #[inline]
     fn add_assign(&mut self, o: Quadric) {
         *self = *self + o;
+    }
+}
+
+/// The distance from the planes of the source's triangles, each weighed by its area, and from planes across its rims.
+///
+/// The cost is the mean over each end's planes, the larger of the two: so small parts are worth as much as large ones.
+#[derive(Clone, Copy, Debug)]
+pub struct Quadrics;
+
+/// Weight of the planes that hold rims in place, against the weight of the surface.
+const RIM_WEIGHT: f64 = 3.0;
+/// How strongly a position is held where the planes leave it free: see [`Quadric::minimum`].
+const PULL: f64 = 1e-6;
+/// Cost of length where the planes see none: flat regions merge short edges first.
+const LENGTH_COST: f64 = 1e-7;
+
+impl Metric for Quadrics {
+    type Memory = Quadric;
+
+    fn leaf(&self, p: Vec3, fan: &[[Vec3; 2]], rims: &[[Vec3; 2]]) -> Quadric {
+        let p = p.as_dvec3();
+        let mut q = Quadric::default();
+        for [a, b] in fan {
+            let cross = (a.as_dvec3() - p).cross(b.as_dvec3() - p);
+            let area = 0.5 * cross.length();
+            if area > 0.0 {
+                let n = cross / (2.0 * area);
+                q += Quadric::plane(n, -n.dot(p), area / 3.0);
+            }
+        }
+        for [x, normal] in rims {
+            let edge = x.as_dvec3() - p;
+            let across = edge.cross(normal.as_dvec3());
+            if across.length_squared() > 0.0 {
+                let n = across.normalize();
+                q += Quadric::plane(n, -n.dot(p), RIM_WEIGHT * edge.length_squared());
+            }
+        }
+        q
+    }
+
+    fn best(&self, u: End<Quadric>, v: End<Quadric>) -> Vec3 {
+        let q = u.memory + v.memory;
+        let (pu, pv) = (u.at.as_dvec3(), v.at.as_dvec3());
+        let middle = (pu + pv) * 0.5;
+        let near = |x: &DVec3| x.distance_squared(middle) <= 4.0 * pu.distance_squared(pv);
+        let ends = || [middle, pu, pv].into_iter().min_by(|a, b| q.at(*a).total_cmp(&q.at(*b)));
+        q.minimum(middle, PULL).filter(near).or_else(ends).unwrap_or(middle).as_vec3()
+    }
+
+    fn cost(&self, u: End<Quadric>, v: End<Quadric>, at: Vec3) -> f32 {
+        let x = at.as_dvec3();
+        let mean = |q: Quadric| {
+            let weight = q.a[0] + q.a[3] + q.a[5];
+            if weight > 0.0 { q.at(x).max(0.0) / weight } else { 0.0 }
+        };
+        (mean(u.memory).max(mean(v.memory)) + LENGTH_COST * u.at.distance_squared(v.at) as f64) as f32
+    }
+
+    fn merged(&self, u: End<Quadric>, v: End<Quadric>, _: Vec3) -> Quadric {
+        u.memory + v.memory
     }
 }
 

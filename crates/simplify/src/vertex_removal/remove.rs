@@ -307,6 +307,7 @@ fn rim_quadric(rings: &Rings, points: &[Vec3], v: u32) -> Quadric {
 
 /// Coarse cells are the triangulations.
 impl Trail for Record {
+    type Word = u32;
     const FAN: bool = false;
     const KEEPS_VERTICES: bool = true;
 
@@ -331,7 +332,7 @@ impl Trail for Record {
         std::iter::once(self.positions[self.removals[step].vertex as usize])
     }
 
-    fn ways(&self, triangles: usize) -> Ways {
+    fn ways(&self, triangles: usize) -> Ways<u32> {
         let mut first = vec![Way::NONE; triangles];
         let mut next = vec![Way::NONE; self.coarse.len()];
         for i in 0..self.removals.len() {

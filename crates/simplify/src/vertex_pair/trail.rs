@@ -1,0 +1,56 @@
+//! How points of the source find their way through a record of merges.
+
+use super::merge::Record;
+use crate::measure::{Trail, Way, Ways};
+use glam::Vec3;
+use meshfront_mesh::VertexId;
+use std::ops::Range;
+
+/// Coarse cells are those of the stars.
+impl Trail for Record {
+    type Word = u64;
+    const FAN: bool = false;
+    const KEEPS_VERTICES: bool = false;
+
+    fn steps(&self) -> usize {
+        self.merges.len()
+    }
+    fn position(&self, vertex: VertexId) -> Vec3 {
+        self.positions[vertex.ix()]
+    }
+    fn on_rim(&self, vertex: VertexId) -> bool {
+        self.rim[vertex.ix()]
+    }
+    #[inline]
+    fn coarse(&self, step: usize) -> Range<usize> {
+        self.star_of(step)
+    }
+    #[inline]
+    fn corners(&self, step: usize, cell: usize) -> [Vec3; 3] {
+        let cell = self.star[cell];
+        [self.leaves + step as u32, cell.after, cell.before].map(|v| self.positions[v as usize])
+    }
+    fn gone(&self, step: usize) -> impl Iterator<Item = Vec3> {
+        let merge = self.merges[step];
+        [merge.u, merge.v].map(|v| self.positions[v as usize]).into_iter()
+    }
+
+    fn ways(&self, triangles: usize) -> Ways<u64> {
+        let mut touch = vec![Way::NONE; triangles];
+        let mut next = vec![Way::NONE; self.star.len()];
+        for i in (0..self.merges.len()).rev() {
+            let star = self.star_of(i);
+            for (place, e) in star.clone().enumerate() {
+                let t = self.star[e].triangle as usize;
+                next[e] = std::mem::replace(&mut touch[t], Way::stays(i, place));
+            }
+            for r in self.removed_of(i) {
+                let near =
+                    |e: &super::merge::StarTriangle| r.corners.contains(&e.after) || r.corners.contains(&e.before);
+                let place = self.star[star.clone()].iter().position(near);
+                touch[r.triangle as usize] = Way::vanishes(i, place.unwrap_or(0));
+            }
+        }
+        Ways { first: touch, next }
+    }
+}
