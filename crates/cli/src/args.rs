@@ -36,6 +36,7 @@ pub enum Command {
     Compare(Compare),
     View(View),
     Bench(Bench),
+    Study(Study),
     Sample(MakeSample),
     Completions(Completions),
 }
@@ -365,6 +366,36 @@ pub struct Bench {
     pub json: bool,
 }
 
+/// Measure what could have been done otherwise
+#[derive(Args)]
+pub struct Study {
+    #[command(subcommand)]
+    pub of: StudyOf,
+}
+
+#[derive(Subcommand)]
+pub enum StudyOf {
+    Dependencies(StudyDependencies),
+}
+
+/// Compare five rules of dependency on the same edge collapses: memory, forced updates, triangles, errors, foldovers, time
+///
+/// A flight around the mesh and up to it, the same for all rules. Forced are updates that are applied although nothing of
+/// them is wrong by more than the tolerance.
+#[derive(Args)]
+pub struct StudyDependencies {
+    #[arg(value_hint = ValueHint::FilePath)]
+    pub mesh: PathBuf,
+    /// Tolerance of the flight, pixels
+    #[arg(long, value_name = "PX", default_value_t = 1.0, value_parser = tolerance_px)]
+    pub tolerance: f32,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub threads: Threads,
+}
+
 /// Make a mesh by procedure, of any size
 #[derive(Args)]
 #[command(after_help = "\
@@ -487,6 +518,13 @@ fn count_in(text: &str, range: RangeInclusive<usize>) -> Result<usize, String> {
     match text.parse::<usize>() {
         Ok(n) if range.contains(&n) => Ok(n),
         _ => Err(format!("{text:?} is not a whole number from {} to {}", range.start(), range.end())),
+    }
+}
+
+fn tolerance_px(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(px) if px > 0.0 && px.is_finite() => Ok(px),
+        _ => Err(format!("{text:?} is not a number of pixels above 0")),
     }
 }
 

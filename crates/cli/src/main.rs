@@ -13,6 +13,7 @@ mod interrupt;
 mod output;
 mod progress;
 mod sample;
+mod study;
 mod text;
 mod view;
 
@@ -41,6 +42,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Compare(args) => compare::run(args, cli.quiet),
         Command::View(args) => view::run(args, cli.quiet),
         Command::Bench(args) => bench::run(args, cli.quiet),
+        Command::Study(args) => study::run(args, cli.quiet),
         Command::Sample(args) => sample::run(args, cli.quiet),
         Command::Completions(args) => {
             let mut script = Vec::new();

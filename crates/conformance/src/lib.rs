@@ -37,6 +37,9 @@ pub trait Inspect: MultiTessellation<Mesh: LiveMesh> {
     /// Whether every front has the topology of the source. Where not, parts may join, go flat and vanish; distances,
     /// cells and exact inverses are promised all the same.
     const KEEPS_TOPOLOGY: bool = true;
+    /// Whether an update replaces the same cells in all fronts. Where not, errors were measured on other cells and are no
+    /// promise; exact inverses and the strategies are.
+    const KEEPS_CELLS: bool = true;
 
     /// The names of each live triangle's corners, in slot order: a vertex has the same name in all fronts, and
     /// two vertices never share one.

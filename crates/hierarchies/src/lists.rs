@@ -3,6 +3,7 @@
 use meshfront_refine::UpdateId;
 
 /// Lists of updates, one per update, end to end: list m is `items[offsets[m]..offsets[m + 1]]`.
+#[derive(Clone, Debug)]
 pub(crate) struct UpdateLists {
     pub offsets: Vec<u32>,
     pub items: Vec<UpdateId>,
@@ -20,9 +21,13 @@ impl UpdateLists {
         &self.items[self.offsets[m] as usize..self.offsets[m + 1] as usize]
     }
 
-    /// Appends the needs of the next update, given ascending and at most 128, without those that another of them needs
-    /// anyway.
+    /// Appends the needs of the next update, given ascending, without those that another of them needs anyway; all, where
+    /// they are more than 128.
     pub fn push_reduced(&mut self, direct: &[UpdateId]) {
+        if direct.len() > u128::BITS as usize {
+            self.items.extend_from_slice(direct);
+            return self.offsets.push(self.items.len() as u32);
+        }
         // A bounded search finds nearly all that is implied; the rest costs four bytes and changes nothing.
         const MOST_VISITS: usize = 12;
         let least = direct.first().copied().unwrap_or(UpdateId(0));

@@ -54,6 +54,8 @@ mod columns;
 mod derive;
 mod forest;
 mod front_mesh;
+mod of_edges;
+pub mod rules;
 
 pub use crate::columns::InvalidColumns;
 pub use crate::quantize::{Grid, Oct, round_error_up};

@@ -25,6 +25,8 @@ pub use meshfront_simplify as simplify;
 
 #[cfg(feature = "compare")]
 pub mod compare;
+#[cfg(all(feature = "compare", feature = "simplify"))]
+pub mod dependencies;
 pub mod extract;
 pub mod fly_by;
 pub mod survey;

@@ -59,6 +59,19 @@ pub fn edge_collapse_columns(
     options: &EdgeCollapseOptions,
     progress: &dyn Progress,
 ) -> Result<Columns, BuildError> {
+    Ok(edge_collapse_with_own_errors(mesh, options, progress)?.0)
+}
+
+/// The same, with the errors of the updates by themselves: as measured, where those of the columns are made no smaller than
+/// those of updates that need them.
+///
+/// # Errors
+/// As [`edge_collapse_columns`].
+pub fn edge_collapse_with_own_errors(
+    mesh: &TriangleMesh,
+    options: &EdgeCollapseOptions,
+    progress: &dyn Progress,
+) -> Result<(Columns, Vec<f32>), BuildError> {
     check(mesh, options.bits)?;
     let bounds = Bounds::of(&mesh.positions).ok_or(BuildError::Empty)?;
     let grid = options.bits.map(|bits| Grid::fit(bounds, bits));

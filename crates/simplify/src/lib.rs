@@ -10,7 +10,7 @@ pub mod right_triangles;
 pub mod vertex_pair;
 pub mod vertex_removal;
 
-pub use edge_collapse::{EdgeCollapseOptions, edge_collapse, edge_collapse_columns};
+pub use edge_collapse::{EdgeCollapseOptions, edge_collapse, edge_collapse_columns, edge_collapse_with_own_errors};
 pub use right_triangles::{RightTrianglesOptions, right_triangles, right_triangles_columns};
 pub use vertex_pair::{Pairs, VertexPairOptions, vertex_pair, vertex_pair_columns};
 pub use vertex_removal::{VertexRemovalOptions, vertex_removal, vertex_removal_columns};

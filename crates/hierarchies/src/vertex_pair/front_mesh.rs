@@ -109,6 +109,11 @@ impl FrontMesh {
         self.nodes[slot as usize].born.checked_sub(1).map(UpdateId)
     }
 
+    /// The place of the first leaf below the node in a slot.
+    pub(super) fn first_leaf(&self, slot: u32) -> u32 {
+        self.nodes[slot as usize].leaves[0]
+    }
+
     /// The triangles around a slot, the highest number first.
     #[inline]
     pub(super) fn star(&self, slot: u32) -> impl Iterator<Item = StarCorner> {

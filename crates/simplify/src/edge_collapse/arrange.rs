@@ -4,14 +4,20 @@ use super::collapse::Record;
 use crate::measure::Errors;
 use crate::order::{morton, order};
 use meshfront_hierarchies::SourceCounts;
-use meshfront_hierarchies::edge_collapse::{Columns, ExplicitSplit, Grid, StarTriangle, encode_split};
+use meshfront_hierarchies::edge_collapse::{Columns, ExplicitSplit, Grid, StarTriangle, encode_split, round_error_up};
 use meshfront_mesh::{Bounds, TriangleMesh, VertexColumns, VertexId};
 use meshfront_refine::UpdateId;
 
 /// No collapse; no number yet.
 const NONE: u32 = u32::MAX;
 
-pub(super) fn arrange(source: &TriangleMesh, grid: Option<Grid>, record: Record, errors: Errors) -> Columns {
+/// The columns, and the errors of the updates by themselves, as a file holds them.
+pub(super) fn arrange(
+    source: &TriangleMesh,
+    grid: Option<Grid>,
+    record: Record,
+    errors: Errors,
+) -> (Columns, Vec<f32>) {
     let leaves = record.leaves as usize;
     let updates = record.collapses.len();
     let mut parent = vec![NONE; leaves + updates];
@@ -25,6 +31,7 @@ pub(super) fn arrange(source: &TriangleMesh, grid: Option<Grid>, record: Record,
     };
 
     let bounds = Bounds::of(&record.positions).expect("a mesh with triangles has vertices");
+    let own = errors.steps.clone();
     let mut error = errors.steps;
     let order = order(&bounds, &record.positions[leaves..], needs, &mut error);
 
@@ -79,7 +86,8 @@ pub(super) fn arrange(source: &TriangleMesh, grid: Option<Grid>, record: Record,
         }
         made.errors.push(error[i]);
     }
-    made
+    let own = order.iter().map(|&i| round_error_up(own[i as usize])).collect();
+    (made, own)
 }
 
 /// The base mesh along a space-filling curve, so that neighbours have near numbers.
