@@ -16,13 +16,13 @@ use meshfront_hierarchies::vertex_removal::{Columns, Patch, Triangulation};
 use crate::container::Section;
 #[cfg(feature = "write")]
 use crate::container::{Codec, Part, assemble, checksum};
+#[cfg(feature = "write")]
+use crate::edge_collapse::Meta;
 use crate::edge_collapse::attributes::Attribute;
 use crate::edge_collapse::lattice::Lattice;
 #[cfg(feature = "write")]
 use crate::edge_collapse::page::join;
 use crate::edge_collapse::page::{check_length, split};
-#[cfg(feature = "write")]
-use crate::edge_collapse::Meta;
 use crate::edge_collapse::{self as shared, Opened};
 use crate::error::{Fault, ReadError};
 use crate::info::{ColumnInfo, Info, PageInfo};
