@@ -64,6 +64,7 @@ enum Part {
     Promise,
     Flyby,
     Terrain,
+    Pairs,
 }
 
 /// A mesh, as the rivals get it and as we get it.
@@ -89,7 +90,8 @@ fn main() -> Result<()> {
     std::fs::create_dir_all(&arguments.work)?;
     std::fs::create_dir_all(&arguments.results)?;
     let mut report = Report::new(&arguments.meshfront)?;
-    for source in &arguments.meshes {
+    let of_meshes = [Part::Build, Part::Quality, Part::Promise, Part::Flyby].into_iter().any(measures);
+    for source in arguments.meshes.iter().filter(|_| of_meshes) {
         let subject = prepare(&tools, source, &arguments.work)?;
         report.mesh(&subject.name, subject.mesh.positions.len(), subject.mesh.triangles());
         if measures(Part::Build) {
@@ -107,6 +109,9 @@ fn main() -> Result<()> {
     }
     if measures(Part::Terrain) {
         terrain(&tools, &arguments, &mut report)?;
+    }
+    if measures(Part::Pairs) {
+        pairs(&tools, &arguments, &mut report)?;
     }
     let date = humantime::format_rfc3339_seconds(SystemTime::now()).to_string();
     report.write(&arguments.results, &date)
@@ -333,6 +338,78 @@ fn terrain(tools: &Tools, arguments: &Arguments, report: &mut Report) -> Result<
         "",
     );
     report.at_least("terrain: top-down to full resolution", rate, 10.0, "M triangles/s");
+    Ok(())
+}
+
+/// Vertex pairs beside edge collapse: an assembly where topology is in the way, and a scan where it is not.
+fn pairs(tools: &Tools, arguments: &Arguments, report: &mut Report) -> Result<()> {
+    let file = |name: String| arguments.work.join(name);
+    for sample in ["assembly", "scan"] {
+        let source = file(format!("pairs-{sample}.ply"));
+        tools.meshfront(&["sample", sample, "-o", path(&source), "--force", "--triangles", "100000"])?;
+        let mut models = Vec::new();
+        for model in ["edge_collapse", "vertex_pair"] {
+            report::say(&format!("{sample}: build with {model}"));
+            let front = file(format!("pairs-{sample}-{model}.front"));
+            let mut seconds = Vec::new();
+            for _ in 0..arguments.runs {
+                let start = Instant::now();
+                tools.meshfront(&["build", path(&source), "-o", path(&front), "--force", "--model", model])?;
+                seconds.push(start.elapsed().as_secs_f64());
+            }
+            let info = tools.meshfront_json(&["info", path(&front)])?;
+            let updates = number(&info, "/updates")?;
+            report.mesh(
+                &format!("pairs-{sample}"),
+                number(&info, "/source_vertices")? as usize,
+                number(&info, "/source_triangles")? as usize,
+            );
+            models.push(json!({
+                "model": model, "front": path(&front), "seconds": median(&mut seconds),
+                "file_bytes_per_update": number(&info, "/bytes")? / updates,
+                "memory_bytes_per_update": number(&info, "/memory_bytes")? / updates,
+            }));
+        }
+        for (what, pointer) in [
+            ("build", "/seconds"),
+            ("file per update", "/file_bytes_per_update"),
+            ("memory per update", "/memory_bytes_per_update"),
+        ] {
+            let [theirs, ours] = [number(&models[0], pointer)?, number(&models[1], pointer)?];
+            let both = format!("{ours:.2}, edge collapse {theirs:.2}");
+            report.note(&format!("{sample}: vertex pairs, {what} (s, B)"), &both);
+        }
+        // The source from the mesh: what edge collapse ends with, and twelve of ours around that.
+        let out = file(format!("pairs-{sample}-out.ply"));
+        let extracted = |k: usize, error: &str| -> Result<(usize, f64)> {
+            let front = models[k]["front"].as_str().unwrap_or_default();
+            tools.meshfront(&["extract", front, "-o", path(&out), "--force", "--error", error])?;
+            Ok((ply_triangles(&out)?, number(&compare(tools, &source, &out, 200_000)?, "/one_sided_max")?))
+        };
+        let share = if sample == "assembly" { "100%" } else { "0.2%" };
+        let (fewest, reached) = extracted(0, share)?;
+        let (first, factor) = if sample == "assembly" { (6.0, 4f64) } else { (0.12, 2.5) };
+        let mut rows = Vec::new();
+        for i in 0..12 {
+            let error = format!("{:.4}%", first * factor.powf(f64::from(i) / 11.0));
+            report::say(&format!("{sample}: vertex pairs at {error}"));
+            let (triangles, measured) = extracted(1, &error)?;
+            rows.push(json!({ "promised": error, "measured": measured, "triangles": triangles }));
+        }
+        let within = rows.iter().filter(|row| row["measured"].as_f64().is_some_and(|m| m <= reached));
+        let ours = within.filter_map(|row| row["triangles"].as_f64()).fold(f64::INFINITY, f64::min);
+        let what = format!("{sample}: triangles / edge collapse's {fewest} at the same measured error");
+        if sample == "assembly" {
+            report.at_most(&what, ours / fewest as f64, 0.05, "");
+        } else {
+            report.note(&what, &format!("{:.3}", ours / fewest as f64));
+        }
+        report.raw(
+            &format!("pairs-{sample}"),
+            "pairs",
+            json!({ "models": models, "edge_collapse": { "triangles": fewest, "measured": reached }, "rows": rows }),
+        );
+    }
     Ok(())
 }
 

@@ -4,11 +4,15 @@
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-use meshfront::mesh::{io, sample};
+use glam::Vec3;
+use meshfront::mesh::{VertexId, io, sample};
 use meshfront::refine::MultiTessellation;
+use meshfront::simplify::Pairs;
+use meshfront::simplify::metrics::MetricChoice;
 use meshfront::{
     CompareOptions, Comparison, EdgeCollapse, EdgeCollapseOptions, Everything, Front, LiveMesh, Request, TriangleMesh,
-    TriangleModel, Uniform, compare, edge_collapse, extract, extract_cells, format,
+    TriangleModel, Uniform, VertexPair, VertexPairOptions, compare, edge_collapse, extract, extract_cells, format,
+    vertex_pair,
 };
 
 fn build(source: &TriangleMesh, bits: Option<u32>) -> EdgeCollapse {
@@ -27,7 +31,7 @@ fn shares(first: f64, last: f64, count: usize) -> impl Iterator<Item = f64> {
 /// Measured over promised at each share of the diagonal, ascending; more than 1 anywhere is a broken promise.
 fn kept(
     source: &TriangleMesh,
-    hierarchy: &EdgeCollapse,
+    hierarchy: &impl TriangleModel,
     shares: impl Iterator<Item = f64>,
     samples: usize,
 ) -> Vec<f64> {
@@ -55,6 +59,67 @@ fn no_point_of_the_source_is_farther_than_promised() {
             assert!(ratios[ratios.len() / 2] >= 0.3, "the promise is idle at {bits:?} bits: {ratios:?}");
         }
     }
+}
+
+/// Surfaces with one thing wrong each, side by side, and loose triangles of all sizes and directions between them.
+fn soup() -> TriangleMesh {
+    let mut mesh = TriangleMesh::default();
+    let mut add = |part: TriangleMesh, at: Vec3| {
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(part.positions.iter().map(|&p| p + at));
+        mesh.triangles.extend(part.triangles.iter().map(|t| t.map(|v| VertexId(first + v.0))));
+    };
+    add(sample::defects::non_manifold_edge(1_500), Vec3::ZERO);
+    add(sample::defects::bow_tie(1_500), Vec3::X * 2.2);
+    add(sample::defects::open_sheet(800), Vec3::Y * -1.2);
+    let mut seed = 5u64;
+    let mut random = || {
+        seed ^= seed << 13;
+        seed ^= seed >> 7;
+        seed ^= seed << 17;
+        (seed % 2001) as f32 / 1000.0 - 1.0
+    };
+    for _ in 0..300 {
+        let [at, a, b, c] = std::array::from_fn(|_| Vec3::new(random(), random(), random()));
+        let positions = [a, b, c].map(|p| p * 0.05 * (2.0 + random())).to_vec();
+        add(TriangleMesh { positions, triangles: vec![[0, 1, 2].map(VertexId)], ..TriangleMesh::default() }, at * 2.0);
+    }
+    mesh
+}
+
+#[test]
+fn no_point_is_farther_than_promised_where_topology_changes() {
+    let plain = VertexPairOptions::default();
+    let sources = [
+        ("scan", sample::scan(4_000), plain.clone()),
+        ("assembly", sample::assembly(0), plain.clone()),
+        ("soup", soup(), plain.clone()),
+        ("soup, geometry first", soup(), VertexPairOptions { pairs: Pairs::GeometryFirst, ..plain.clone() }),
+        ("soup, by length", soup(), VertexPairOptions { metric: MetricChoice::Length, bits: None, ..plain }),
+    ];
+    for (name, source, options) in sources {
+        let hierarchy = vertex_pair(&source, &options, &()).unwrap();
+        println!("{name}: base mesh of {} triangles", hierarchy.base_triangles());
+        let ratios = kept(&source, &hierarchy, shares(1e-3, 0.2, 12), 30_000);
+        assert!(ratios[ratios.len() / 2] >= 0.3, "the promise is idle on {name}: {ratios:?}");
+    }
+}
+
+#[test]
+fn many_parts_come_down_to_a_twentieth_of_what_their_topology_allows() {
+    let source = sample::assembly(0);
+    let topology = build(&source, Some(16)).base_mesh().clone();
+    let reached = compared(&source, &topology, 40_000).a_to_b.max;
+    let pairs: VertexPair = vertex_pair(&source, &VertexPairOptions::default(), &()).unwrap();
+    let diagonal = pairs.bounds().diagonal();
+    let fewest = shares(0.08, 0.25, 8)
+        .map(|share| extract(&pairs, &Uniform, &Request::tolerance(share as f32 * diagonal)).mesh)
+        .filter(|mesh| compared(&source, mesh, 40_000).a_to_b.max <= reached)
+        .map(|mesh| mesh.triangles.len())
+        .min();
+    let fewest = fewest.expect("an error of 5 % promised is below what edge collapse ends with");
+    println!("{fewest} triangles where edge collapse ends with {}, at {reached}", topology.triangles.len());
+    assert!(fewest * 20 <= topology.triangles.len(), "{fewest} of {}", topology.triangles.len());
 }
 
 #[test]

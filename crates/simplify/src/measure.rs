@@ -24,6 +24,9 @@ pub(crate) trait Trail: Sync {
     /// Whether all vertices of coarse cells are where the source has one. The distance of a source triangle from the coarse
     /// cells is then greatest on its edges: where they end, or cross those of coarse cells.
     const KEEPS_VERTICES: bool;
+    /// Whether what lies on a cell is a surface like the one that a point comes from, as dense as it is. Where objects join, few
+    /// points may speak for a whole one.
+    const EVEN: bool;
     /// Number of steps.
     fn steps(&self) -> usize;
     /// Where a source vertex is at full resolution: on the grid, where there is one.
@@ -310,7 +313,7 @@ impl<T: Trail> Walk<'_, T> {
             let area_squared = (b - a).cross(c - a).length_squared();
             raise(&self.squared[i], distance * self.sampling.margin(area_squared * per_area_squared).powi(2));
             way = self.ways.next[at];
-            if distance <= self.moved[i] && area_squared > crowd_squared {
+            if T::EVEN && distance <= self.moved[i] && area_squared > crowd_squared {
                 return;
             }
         }

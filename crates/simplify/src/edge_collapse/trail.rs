@@ -14,6 +14,7 @@ impl Trail for Record {
     type Word = u32;
     const FAN: bool = true;
     const KEEPS_VERTICES: bool = false;
+    const EVEN: bool = true;
 
     fn steps(&self) -> usize {
         self.collapses.len()

@@ -11,6 +11,7 @@ impl Trail for Record {
     type Word = u64;
     const FAN: bool = false;
     const KEEPS_VERTICES: bool = false;
+    const EVEN: bool = false;
 
     fn steps(&self) -> usize {
         self.merges.len()

@@ -310,6 +310,7 @@ impl Trail for Record {
     type Word = u32;
     const FAN: bool = false;
     const KEEPS_VERTICES: bool = true;
+    const EVEN: bool = true;
 
     fn steps(&self) -> usize {
         self.removals.len()
