@@ -388,10 +388,10 @@ fn pairs(tools: &Tools, arguments: &Arguments, report: &mut Report) -> Result<()
         };
         let share = if sample == "assembly" { "100%" } else { "0.2%" };
         let (fewest, reached) = extracted(0, share)?;
-        let first = if sample == "assembly" { 4.0 } else { 0.1 };
+        let (first, factor) = if sample == "assembly" { (6.0, 4f64) } else { (0.12, 2.5) };
         let mut rows = Vec::new();
         for i in 0..12 {
-            let error = format!("{:.4}%", first * 8f64.powf(f64::from(i) / 11.0));
+            let error = format!("{:.4}%", first * factor.powf(f64::from(i) / 11.0));
             report::say(&format!("{sample}: vertex pairs at {error}"));
             let (triangles, measured) = extracted(1, &error)?;
             rows.push(json!({ "promised": error, "measured": measured, "triangles": triangles }));

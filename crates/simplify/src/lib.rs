@@ -6,6 +6,7 @@ mod link;
 mod measure;
 pub mod metrics;
 mod order;
+mod queue;
 pub mod right_triangles;
 pub mod vertex_pair;
 pub mod vertex_removal;

@@ -2,6 +2,7 @@
 
 use crate::link::{Link, count_neighbours, fans};
 use crate::metrics::quadric::Quadric;
+use crate::queue::Queue;
 use glam::{DVec3, Vec3};
 use meshfront_hierarchies::edge_collapse::{Columns, Grid};
 
@@ -486,42 +487,5 @@ impl Step {
         let tie = mesh.bow_tie[v as usize];
         mesh.bow_tie[u as usize] |= tie;
         self.shared.len()
-    }
-}
-
-/// A priority queue by cost to within 1/256: buckets by the leading bits of the `f32`. Last in, first out inside a
-/// bucket. Constant time where a heap of as many millions waits for memory.
-struct Queue {
-    buckets: Vec<Vec<[u32; 2]>>,
-    lowest: usize,
-    /// What costs more is not taken in.
-    limit: f32,
-}
-
-impl Queue {
-    /// Sign, exponent and 8 bits of mantissa are kept.
-    const SHIFT: u32 = 15;
-
-    fn new(limit: f32) -> Queue {
-        Queue { buckets: vec![vec![]; 1 << (32 - 1 - Queue::SHIFT)], lowest: 0, limit }
-    }
-    #[inline]
-    fn push(&mut self, cost: f32, edge: [u32; 2]) {
-        if cost > self.limit {
-            return;
-        }
-        let bucket = (cost.to_bits() >> Queue::SHIFT) as usize;
-        let bucket = bucket.min(self.buckets.len() - 1);
-        self.buckets[bucket].push(edge);
-        self.lowest = self.lowest.min(bucket);
-    }
-    fn pop(&mut self) -> Option<[u32; 2]> {
-        while self.lowest < self.buckets.len() {
-            if let Some(edge) = self.buckets[self.lowest].pop() {
-                return Some(edge);
-            }
-            self.lowest += 1;
-        }
-        None
     }
 }

@@ -5,14 +5,13 @@ use super::virtual_edges::virtual_edges;
 use super::{Pairs, VertexPairOptions};
 use crate::link::{Link, count_neighbours, fans};
 use crate::metrics::{End, Metric};
+use crate::queue::Queue;
 use crate::{BuildError, Progress};
 use arrayvec::ArrayVec;
 use glam::Vec3;
 use meshfront_hierarchies::vertex_pair::{Grid, Oct};
 use meshfront_mesh::TriangleMesh;
 use rayon::prelude::*;
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 use std::ops::Range;
 
 /// What happened, fine to coarse.
@@ -109,8 +108,20 @@ const FRUITLESS: f32 = 64.0;
 /// Below this, a triangle's shape makes it a sliver.
 const SLIVER: f32 = 0.06;
 
-/// A pair that waits: bits of its cost, index of its guard, and its nodes.
-type Waiting = Reverse<(u32, u8, u32, u32)>;
+/// A pair that waits.
+struct Waiting {
+    /// What it costs, or how far it would move points of the source, squared.
+    due: f32,
+    /// Index of its guard.
+    guard: u8,
+    pair: [u32; 2],
+}
+
+impl Queue<Waiting> {
+    fn wait(&mut self, pair: Waiting) {
+        self.push(pair.due, pair);
+    }
+}
 
 /// Merges pairs until so few triangles are left, or nothing may be merged without leaving points of the surface without a cell.
 pub(super) fn merge<M: Metric>(
@@ -129,7 +140,9 @@ pub(super) fn merge<M: Metric>(
         return Err(BuildError::Cancelled);
     }
     let first = mesh.pairs();
-    let mut queue: BinaryHeap<Waiting> = first.into_par_iter().map(|[u, v]| mesh.waiting(u, v, 0)).collect();
+    let first: Vec<Waiting> = first.into_par_iter().map(|[u, v]| mesh.waiting(u, v, 0)).collect();
+    let mut queue = Queue::new(f32::INFINITY);
+    first.into_iter().for_each(|w| queue.wait(w));
     let mut keeps_topology = options.pairs == Pairs::GeometryFirst;
     // Pairs that may not merge yet; what stands in their way may go.
     let mut refused: Vec<[u32; 2]> = vec![];
@@ -138,12 +151,13 @@ pub(super) fn merge<M: Metric>(
     let mut near = vec![];
     let mut told = mesh.alive;
     while mesh.alive > options.base_triangles {
-        let Some(Reverse((due, guard, u, v))) = queue.pop() else {
+        let Some(Waiting { due, guard, pair: [u, v] }) = queue.pop() else {
             if !std::mem::take(&mut progressed) && !std::mem::take(&mut keeps_topology) {
                 break;
             }
             let again = std::mem::take(&mut refused);
-            queue.extend(again.into_iter().filter(|e| mesh.live(*e)).map(|[u, v]| mesh.waiting(u, v, 0)));
+            let again = again.into_iter().filter(|e| mesh.live(*e)).map(|[u, v]| mesh.waiting(u, v, 0));
+            again.for_each(|w| queue.wait(w));
             continue;
         };
         if !mesh.live([u, v]) {
@@ -156,14 +170,14 @@ pub(super) fn merge<M: Metric>(
         let places = step.places(&mesh, u, v, GUARDS[guard as usize]);
         // A merge waits until it is due to move points of the source as far as it would.
         let weight = if step.gone.is_empty() { FRUITLESS } else { 1.0 };
-        let due = f32::from_bits(due) * PATIENCE / weight;
+        let due = due * PATIENCE / weight;
         let point = match step.nearest_place(&mesh, &places, due) {
             None => {
-                queue.push(mesh.waiting(u, v, guard + 1));
+                queue.wait(mesh.waiting(u, v, guard + 1));
                 continue;
             }
             Some((far, _)) if far > due => {
-                queue.push(Reverse(((far * weight).to_bits(), guard, u, v)));
+                queue.wait(Waiting { due: far * weight, guard, pair: [u, v] });
                 continue;
             }
             Some((_, point)) => point,
@@ -177,7 +191,7 @@ pub(super) fn merge<M: Metric>(
         }
         progressed = true;
         mesh.neighbours(s, &step.ring, &mut near);
-        queue.extend(near.iter().map(|&x| mesh.waiting(s, x, 0)));
+        near.iter().for_each(|&x| queue.wait(mesh.waiting(s, x, 0)));
         if told - mesh.alive >= 4096 {
             progress.at((count - mesh.alive) as u64);
             if progress.cancelled() {
@@ -363,7 +377,7 @@ impl<'a, M: Metric> Mesh<'a, M> {
         let [a, b] = [u, v].map(|x| self.end(x));
         let cost = self.metric.cost(a, b, self.metric.best(a, b));
         let fine = GUARDS[guard as usize].fine * a.at.distance_squared(b.at);
-        Reverse(((cost + fine).to_bits(), guard, u.min(v), u.max(v)))
+        Waiting { due: cost + fine, guard, pair: [u.min(v), u.max(v)] }
     }
 
     /// Merges two nodes as gathered and logs it.
