@@ -5,6 +5,7 @@ pub mod edge_collapse;
 mod link;
 mod measure;
 pub mod metrics;
+mod nodes;
 mod order;
 mod queue;
 pub mod right_triangles;

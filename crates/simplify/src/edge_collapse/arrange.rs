@@ -2,10 +2,10 @@
 
 use super::collapse::Record;
 use crate::measure::Errors;
-use crate::order::{morton, order};
+use crate::order::order;
 use meshfront_hierarchies::SourceCounts;
 use meshfront_hierarchies::edge_collapse::{Columns, ExplicitSplit, Grid, StarTriangle, encode_split, round_error_up};
-use meshfront_mesh::{Bounds, TriangleMesh, VertexColumns, VertexId};
+use meshfront_mesh::{Bounds, TriangleMesh, VertexId};
 use meshfront_refine::UpdateId;
 
 /// No collapse; no number yet.
@@ -30,10 +30,10 @@ pub(super) fn arrange(
         ring.chain([(leaves + i) as u32]).map(|x| parent[x as usize]).filter(|&p| p != NONE)
     };
 
-    let bounds = Bounds::of(&record.positions).expect("a mesh with triangles has vertices");
+    let bounds = Bounds::of(&record.nodes.positions).expect("a mesh with triangles has vertices");
     let own = errors.steps.clone();
     let mut error = errors.steps;
-    let order = order(&bounds, &record.positions[leaves..], needs, &mut error);
+    let order = order(&bounds, &record.nodes.positions[leaves..], needs, &mut error);
 
     let mut made = Columns {
         grid,
@@ -43,7 +43,11 @@ pub(super) fn arrange(
     };
     let mut vertex_number = vec![NONE; leaves + updates];
     let mut triangle_number = vec![NONE; source.triangles.len()];
-    number_base(&record, &bounds, &mut made, &mut vertex_number, &mut triangle_number);
+    let (base, base_triangles) = record.nodes.base_mesh(&record.base, &bounds, &mut vertex_number);
+    made.base = base;
+    for (number, &t) in base_triangles.iter().enumerate() {
+        triangle_number[t as usize] = number as u32;
+    }
     let base_vertices = made.base.positions.len() as u32;
     let base_triangles = made.base.triangles.len() as u32;
     let mut extra = base_triangles + 2 * updates as u32;
@@ -77,55 +81,15 @@ pub(super) fn arrange(
         made.vertex.push(VertexId(vertex_number[leaves + i]));
         made.sides.push(split.sides);
         made.explicit.extend(split.explicit.map(|added| ExplicitSplit { update: UpdateId(m as u32), added }));
-        made.positions.push([record.positions[u as usize], record.positions[v as usize]]);
-        if !record.normals.is_empty() {
-            made.normals.push([record.normals[u as usize], record.normals[v as usize]]);
+        made.positions.push([record.nodes.positions[u as usize], record.nodes.positions[v as usize]]);
+        if !record.nodes.normals.is_empty() {
+            made.normals.push([record.nodes.normals[u as usize], record.nodes.normals[v as usize]]);
         }
-        if !record.colors.is_empty() {
-            made.colors.push([record.colors[u as usize], record.colors[v as usize]]);
+        if !record.nodes.colors.is_empty() {
+            made.colors.push([record.nodes.colors[u as usize], record.nodes.colors[v as usize]]);
         }
         made.errors.push(error[i]);
     }
     let own = order.iter().map(|&i| round_error_up(own[i as usize])).collect();
     (made, own)
-}
-
-/// The base mesh along a space-filling curve, so that neighbours have near numbers.
-fn number_base(
-    record: &Record,
-    bounds: &Bounds,
-    made: &mut Columns,
-    vertex_number: &mut [u32],
-    triangle_number: &mut [u32],
-) {
-    let at = |version: u32| record.positions[version as usize];
-    let mut vertices: Vec<u32> = record.base.iter().flat_map(|(_, corners)| *corners).collect();
-    vertices.sort_unstable();
-    vertices.dedup();
-    vertices.sort_by_key(|&v| morton(bounds, at(v)));
-    for (number, &v) in vertices.iter().enumerate() {
-        vertex_number[v as usize] = number as u32;
-    }
-    let mut triangles: Vec<(u32, [u32; 3])> =
-        record.base.iter().map(|(t, c)| (*t, c.map(|v| vertex_number[v as usize]))).collect();
-    triangles.sort_by_key(|(t, c)| (c.iter().min().copied(), *t));
-    for (number, (t, _)) in triangles.iter().enumerate() {
-        triangle_number[*t as usize] = number as u32;
-    }
-    made.base = TriangleMesh {
-        positions: vertices.iter().map(|&v| at(v)).collect(),
-        triangles: triangles.iter().map(|(_, c)| c.map(VertexId)).collect(),
-        vertex: VertexColumns {
-            normals: if record.normals.is_empty() {
-                vec![]
-            } else {
-                vertices.iter().map(|&v| record.normals[v as usize].decode()).collect()
-            },
-            colors: if record.colors.is_empty() {
-                vec![]
-            } else {
-                vertices.iter().map(|&v| record.colors[v as usize]).collect()
-            },
-        },
-    };
 }

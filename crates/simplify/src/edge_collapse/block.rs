@@ -3,13 +3,11 @@
 use crate::link::{Link, count_neighbours, fans};
 use crate::metrics::quadric::Quadric;
 use crate::queue::Queue;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use meshfront_hierarchies::edge_collapse::{Columns, Grid};
 
 /// Weight of the planes that hold boundaries and non-manifold edges in place, against the weight of the surface.
 const RIM_WEIGHT: f64 = 3.0;
-/// How strongly a position is held where the quadric leaves it free: see [`Quadric::minimum`].
-const PULL: f64 = 1e-6;
 /// Cost of length where the quadric sees none, relative to the weight: flat regions collapse short edges first.
 const LENGTH_COST: f64 = 1e-9;
 /// How much of a merged vertex's quadric is that of the triangles around it as they are, not the sum over the source
@@ -279,22 +277,9 @@ impl Block {
     fn cost(&self, u: u32, v: u32) -> (f32, Vec3) {
         let q = self.quadrics[u as usize] + self.quadrics[v as usize];
         let (pu, pv) = (self.points[u as usize].as_dvec3(), self.points[v as usize].as_dvec3());
-        let middle = (pu + pv) * 0.5;
         let length_squared = pu.distance_squared(pv);
-        let near = |x: &DVec3| x.distance_squared(middle) <= 4.0 * length_squared;
-        let (cost, x) = match q.minimum(middle, PULL).filter(near) {
-            Some(x) => (q.at(x), x),
-            None => {
-                let (cu, cv, cm) = (q.at(pu), q.at(pv), q.at(middle));
-                if cm <= cu && cm <= cv {
-                    (cm, middle)
-                } else if cu <= cv {
-                    (cu, pu)
-                } else {
-                    (cv, pv)
-                }
-            }
-        };
+        let x = q.between(pu, pv);
+        let cost = q.at(x);
         let weight = q.a[0] + q.a[3] + q.a[5];
         ((cost.max(0.0) + LENGTH_COST * weight * length_squared) as f32, x.as_vec3())
     }

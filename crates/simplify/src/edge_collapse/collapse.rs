@@ -2,9 +2,10 @@
 
 use super::block::{Block, DEAD, Limits, StarTriangle};
 use crate::metrics::quadric::Quadric;
+use crate::nodes::Nodes;
 use crate::{BuildError, Progress};
 use glam::Vec3;
-use meshfront_hierarchies::edge_collapse::{Grid, Oct};
+use meshfront_hierarchies::edge_collapse::Grid;
 use meshfront_mesh::TriangleMesh;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -16,12 +17,8 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 pub(super) struct Record {
     /// Number of source vertices n.
     pub leaves: u32,
-    /// Per version, on the grid where there is one.
-    pub positions: Vec<Vec3>,
-    /// Per version; empty where the source has none.
-    pub normals: Vec<Oct>,
-    /// Per version; empty where the source has none.
-    pub colors: Vec<[u8; 4]>,
+    /// The versions.
+    pub nodes: Nodes,
     pub collapses: Vec<Collapse>,
     /// Stars of the new versions, end to end, each in the order of a fan as far as it is one.
     pub star: Vec<StarTriangle>,
@@ -232,7 +229,7 @@ impl Whole {
         }));
         for c in &log.collapses {
             let [u, v] = c.versions.map(version);
-            record.carry([u, v], c.point);
+            record.nodes.merge([u, v], c.point);
             record.collapses.push(Collapse {
                 u,
                 v,
@@ -303,35 +300,14 @@ fn cost_quantile(parts: &[Part], quantile: f64) -> f32 {
 impl Record {
     fn new(source: &TriangleMesh, points: &[Vec3]) -> Record {
         let n = points.len();
-        let mut positions = Vec::with_capacity(2 * n);
-        positions.extend_from_slice(points);
         Record {
             leaves: n as u32,
-            positions,
-            normals: source.vertex.normals.iter().map(|&v| Oct::encode(v)).collect(),
-            colors: source.vertex.colors.clone(),
+            nodes: Nodes::of(source, points),
             collapses: Vec::with_capacity(n),
             star: Vec::with_capacity(7 * n),
             removed: Vec::with_capacity(source.triangles.len()),
             rim: vec![],
             base: vec![],
-        }
-    }
-
-    /// The new version's position, normal and colour: attributes as at the nearest point of the edge.
-    fn carry(&mut self, [u, v]: [u32; 2], point: Vec3) {
-        let (pu, pv) = (self.positions[u as usize], self.positions[v as usize]);
-        let edge = pv - pu;
-        let t = ((point - pu).dot(edge) / edge.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
-        self.positions.push(point);
-        if !self.normals.is_empty() {
-            let (nu, nv) = (self.normals[u as usize].decode(), self.normals[v as usize].decode());
-            self.normals.push(Oct::encode(nu.lerp(nv, t).normalize_or(nu)));
-        }
-        if !self.colors.is_empty() {
-            let (cu, cv) = (self.colors[u as usize], self.colors[v as usize]);
-            let mix = |k: usize| (cu[k] as f32 + (cv[k] as f32 - cu[k] as f32) * t).round() as u8;
-            self.colors.push(std::array::from_fn(mix));
         }
     }
 }

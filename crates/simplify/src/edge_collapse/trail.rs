@@ -20,7 +20,7 @@ impl Trail for Record {
         self.collapses.len()
     }
     fn position(&self, vertex: VertexId) -> Vec3 {
-        self.positions[vertex.ix()]
+        self.nodes.positions[vertex.ix()]
     }
     fn on_rim(&self, vertex: VertexId) -> bool {
         self.rim[vertex.ix()]
@@ -32,11 +32,11 @@ impl Trail for Record {
     #[inline]
     fn corners(&self, step: usize, cell: usize) -> [Vec3; 3] {
         let cell = self.star[cell];
-        [self.leaves + step as u32, cell.after, cell.before].map(|v| self.positions[v as usize])
+        [self.leaves + step as u32, cell.after, cell.before].map(|v| self.nodes.positions[v as usize])
     }
     fn gone(&self, step: usize) -> impl Iterator<Item = Vec3> {
         let collapse = self.collapses[step];
-        [collapse.u, collapse.v].map(|v| self.positions[v as usize]).into_iter()
+        [collapse.u, collapse.v].map(|v| self.nodes.positions[v as usize]).into_iter()
     }
 
     fn ways(&self, triangles: usize) -> Ways<u32> {

@@ -55,6 +55,30 @@ impl Quadric {
     }
 }
 
+/// How strongly a position is held where the planes leave it free: see [`Quadric::minimum`].
+const PULL: f64 = 1e-6;
+
+impl Quadric {
+    /// Where a vertex goes that two others merge into, the sum of whose forms this is: to the minimum if that is near them,
+    /// else to the best of their middle and themselves.
+    #[inline]
+    pub fn between(&self, pu: DVec3, pv: DVec3) -> DVec3 {
+        let middle = (pu + pv) * 0.5;
+        let near = |x: &DVec3| x.distance_squared(middle) <= 4.0 * pu.distance_squared(pv);
+        if let Some(x) = self.minimum(middle, PULL).filter(near) {
+            return x;
+        }
+        let [cm, cu, cv] = [middle, pu, pv].map(|x| self.at(x));
+        if cm <= cu && cm <= cv {
+            middle
+        } else if cu <= cv {
+            pu
+        } else {
+            pv
+        }
+    }
+}
+
 impl Add for Quadric {
     type Output = Quadric;
     #[inline]
@@ -86,8 +110,6 @@ pub struct Quadrics;
 
 /// Weight of the planes that hold rims in place, against the weight of the surface.
 const RIM_WEIGHT: f64 = 3.0;
-/// How strongly a position is held where the planes leave it free: see [`Quadric::minimum`].
-const PULL: f64 = 1e-6;
 /// Cost of length where the planes see none: flat regions merge short edges first.
 const LENGTH_COST: f64 = 1e-7;
 
@@ -117,12 +139,7 @@ impl Metric for Quadrics {
     }
 
     fn best(&self, u: End<Quadric>, v: End<Quadric>) -> Vec3 {
-        let q = u.memory + v.memory;
-        let (pu, pv) = (u.at.as_dvec3(), v.at.as_dvec3());
-        let middle = (pu + pv) * 0.5;
-        let near = |x: &DVec3| x.distance_squared(middle) <= 4.0 * pu.distance_squared(pv);
-        let ends = || [middle, pu, pv].into_iter().min_by(|a, b| q.at(*a).total_cmp(&q.at(*b)));
-        q.minimum(middle, PULL).filter(near).or_else(ends).unwrap_or(middle).as_vec3()
+        (u.memory + v.memory).between(u.at.as_dvec3(), v.at.as_dvec3()).as_vec3()
     }
 
     fn cost(&self, u: End<Quadric>, v: End<Quadric>, at: Vec3) -> f32 {

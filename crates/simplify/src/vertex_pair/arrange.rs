@@ -2,10 +2,10 @@
 
 use super::merge::Record;
 use crate::measure::Errors;
-use crate::order::{morton, order};
+use crate::order::order;
 use meshfront_hierarchies::SourceCounts;
 use meshfront_hierarchies::vertex_pair::{Columns, Grid};
-use meshfront_mesh::{Bounds, TriangleMesh, VertexColumns, VertexId};
+use meshfront_mesh::{Bounds, TriangleMesh, VertexId};
 
 /// No merge; no number yet.
 const NONE: u32 = u32::MAX;
@@ -25,12 +25,12 @@ pub(super) fn arrange(source: &TriangleMesh, grid: Option<Grid>, record: Record,
         let all = star.chain(removed).chain([(leaves + i) as u32]);
         all.map(|x| parent[x as usize]).filter(move |&p| p != NONE && p != i as u32)
     };
-    let bounds = Bounds::of(&record.positions).expect("a mesh with triangles has vertices");
+    let bounds = Bounds::of(&record.nodes.positions).expect("a mesh with triangles has vertices");
     let mut error = errors.steps;
-    let order = order(&bounds, &record.positions[leaves..], needs, &mut error);
+    let order = order(&bounds, &record.nodes.positions[leaves..], needs, &mut error);
 
     let mut number = vec![NONE; leaves + updates];
-    let (base, mut triangles) = base_mesh(&record, &bounds, &parent, &mut number);
+    let (base, mut triangles) = record.nodes.base_mesh(&record.base, &bounds, &mut number);
     let base_vertices = base.positions.len() as u32;
     for (m, &i) in order.iter().enumerate() {
         let merge = record.merges[i as usize];
@@ -39,8 +39,8 @@ pub(super) fn arrange(source: &TriangleMesh, grid: Option<Grid>, record: Record,
         triangles.extend(record.removed_of(i as usize).iter().map(|r| r.triangle));
     }
     let both = |i: &u32| [record.merges[*i as usize].u, record.merges[*i as usize].v].map(|x| x as usize);
-    let pick_normals = |i: &u32| both(i).map(|x| record.normals[x]);
-    let pick_colors = |i: &u32| both(i).map(|x| record.colors[x]);
+    let pick_normals = |i: &u32| both(i).map(|x| record.nodes.normals[x]);
+    let pick_colors = |i: &u32| both(i).map(|x| record.nodes.colors[x]);
     let leaf = |&t: &u32| source.triangles[t as usize].map(|v| VertexId(number[v.ix()]));
     Columns {
         grid,
@@ -48,37 +48,11 @@ pub(super) fn arrange(source: &TriangleMesh, grid: Option<Grid>, record: Record,
         triangles: triangles.iter().map(leaf).collect(),
         added: order.iter().map(|&i| record.removed_of(i as usize).len() as u32).collect(),
         vertex: order.iter().map(|&i| VertexId(number[leaves + i as usize])).collect(),
-        positions: order.iter().map(|i| both(i).map(|x| record.positions[x])).collect(),
-        normals: if record.normals.is_empty() { vec![] } else { order.iter().map(pick_normals).collect() },
-        colors: if record.colors.is_empty() { vec![] } else { order.iter().map(pick_colors).collect() },
+        positions: order.iter().map(|i| both(i).map(|x| record.nodes.positions[x])).collect(),
+        normals: if record.nodes.normals.is_empty() { vec![] } else { order.iter().map(pick_normals).collect() },
+        colors: if record.nodes.colors.is_empty() { vec![] } else { order.iter().map(pick_colors).collect() },
         errors: order.iter().map(|&i| error[i as usize]).collect(),
         floor_error: errors.floor,
         source: SourceCounts { vertices: source.positions.len() as u32, triangles: source.triangles.len() as u32 },
     }
-}
-
-/// The base mesh along a space-filling curve, so that neighbours have near numbers, and its triangles in the source.
-fn base_mesh(record: &Record, bounds: &Bounds, parent: &[u32], number: &mut [u32]) -> (TriangleMesh, Vec<u32>) {
-    let at = |v: u32| record.positions[v as usize];
-    let mut vertices: Vec<u32> = record.base.iter().flat_map(|(_, corners)| *corners).collect();
-    vertices.sort_unstable();
-    vertices.dedup();
-    debug_assert!(vertices.iter().all(|&v| parent[v as usize] == NONE), "a triangle's corners are roots");
-    vertices.sort_by_key(|&v| morton(bounds, at(v)));
-    for (n, &v) in vertices.iter().enumerate() {
-        number[v as usize] = n as u32;
-    }
-    let mut cells: Vec<(u32, [u32; 3])> =
-        record.base.iter().map(|(t, c)| (*t, c.map(|v| number[v as usize]))).collect();
-    cells.sort_by_key(|(t, c)| (c.iter().min().copied(), *t));
-    let some = |is_empty: bool| if is_empty { &[][..] } else { &vertices[..] };
-    let base = TriangleMesh {
-        positions: vertices.iter().map(|&v| at(v)).collect(),
-        triangles: cells.iter().map(|(_, c)| c.map(VertexId)).collect(),
-        vertex: VertexColumns {
-            normals: some(record.normals.is_empty()).iter().map(|&v| record.normals[v as usize].decode()).collect(),
-            colors: some(record.colors.is_empty()).iter().map(|&v| record.colors[v as usize]).collect(),
-        },
-    };
-    (base, cells.into_iter().map(|(t, _)| t).collect())
 }

@@ -5,11 +5,12 @@ use super::virtual_edges::virtual_edges;
 use super::{Pairs, VertexPairOptions};
 use crate::link::{Link, count_neighbours, fans};
 use crate::metrics::{End, Metric};
+use crate::nodes::Nodes;
 use crate::queue::Queue;
 use crate::{BuildError, Progress};
 use arrayvec::ArrayVec;
 use glam::Vec3;
-use meshfront_hierarchies::vertex_pair::{Grid, Oct};
+use meshfront_hierarchies::vertex_pair::Grid;
 use meshfront_mesh::TriangleMesh;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -21,12 +22,7 @@ use std::ops::Range;
 pub(super) struct Record {
     /// Number of source vertices n.
     pub leaves: u32,
-    /// Per node, on the grid where there is one.
-    pub positions: Vec<Vec3>,
-    /// Per node; empty where the source has none.
-    pub normals: Vec<Oct>,
-    /// Per node; empty where the source has none.
-    pub colors: Vec<[u8; 4]>,
+    pub nodes: Nodes,
     pub merges: Vec<Merge>,
     /// Stars of the merged nodes, end to end. None is empty.
     pub star: Vec<StarTriangle>,
@@ -185,7 +181,7 @@ pub(super) fn merge<M: Metric>(
         let mut s = mesh.apply(&step, u, v, point);
         // Who lost all triangles goes to where they went.
         for w in std::mem::take(&mut step.orphans) {
-            let at = mesh.record.positions[s as usize];
+            let at = mesh.record.nodes.positions[s as usize];
             step.gather(&mesh, s, w);
             s = mesh.apply(&step, s, w, at);
         }
@@ -239,14 +235,10 @@ impl<'a, M: Metric> Mesh<'a, M> {
                 at[v as usize] += 1;
             }
         }
-        let mut positions = Vec::with_capacity(2 * n);
-        source.positions.par_iter().map(|&p| grid.map_or(p, |g| g.snap(p))).collect_into_vec(&mut positions);
-        positions.reserve(n);
+        let points: Vec<Vec3> = source.positions.par_iter().map(|&p| grid.map_or(p, |g| g.snap(p))).collect();
         let record = Record {
             leaves: n as u32,
-            positions,
-            normals: source.vertex.normals.iter().map(|&v| Oct::encode(v)).collect(),
-            colors: source.vertex.colors.clone(),
+            nodes: Nodes::of(source, &points),
             merges: Vec::with_capacity(n),
             star: Vec::with_capacity(7 * n),
             removed: Vec::with_capacity(triangles.len()),
@@ -320,7 +312,7 @@ impl<'a, M: Metric> Mesh<'a, M> {
     }
 
     fn at(&self, v: u32) -> Vec3 {
-        self.record.positions[v as usize]
+        self.record.nodes.positions[v as usize]
     }
 
     fn end(&self, v: u32) -> End<M::Memory> {
@@ -382,7 +374,7 @@ impl<'a, M: Metric> Mesh<'a, M> {
 
     /// Merges two nodes as gathered and logs it.
     fn apply(&mut self, step: &Step, u: u32, v: u32, point: Vec3) -> u32 {
-        let s = self.record.positions.len() as u32;
+        let s = self.record.nodes.positions.len() as u32;
         let [a, b] = [u, v].map(|x| self.end(x));
         self.memory.push(self.metric.merged(a, b, point));
         self.parent.push(NONE);
@@ -405,7 +397,7 @@ impl<'a, M: Metric> Mesh<'a, M> {
         }
         self.alive -= step.gone.len();
         self.share(step, point);
-        self.record.carry([u, v], point);
+        self.record.nodes.merge([u, v], point);
         self.record.merges.push(Merge {
             u,
             v,
@@ -604,24 +596,5 @@ impl Step {
             };
             after.dot(upright) >= guard.cos * area_after
         })
-    }
-}
-
-impl Record {
-    /// The new node's position, normal and colour: attributes as at the nearest point of the edge.
-    fn carry(&mut self, [u, v]: [u32; 2], point: Vec3) {
-        let (pu, pv) = (self.positions[u as usize], self.positions[v as usize]);
-        let edge = pv - pu;
-        let t = ((point - pu).dot(edge) / edge.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
-        self.positions.push(point);
-        if !self.normals.is_empty() {
-            let (nu, nv) = (self.normals[u as usize].decode(), self.normals[v as usize].decode());
-            self.normals.push(Oct::encode(nu.lerp(nv, t).normalize_or(nu)));
-        }
-        if !self.colors.is_empty() {
-            let (cu, cv) = (self.colors[u as usize], self.colors[v as usize]);
-            let mix = |k: usize| (cu[k] as f32 + (cv[k] as f32 - cu[k] as f32) * t).round() as u8;
-            self.colors.push(std::array::from_fn(mix));
-        }
     }
 }

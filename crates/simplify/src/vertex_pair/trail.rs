@@ -17,7 +17,7 @@ impl Trail for Record {
         self.merges.len()
     }
     fn position(&self, vertex: VertexId) -> Vec3 {
-        self.positions[vertex.ix()]
+        self.nodes.positions[vertex.ix()]
     }
     fn on_rim(&self, vertex: VertexId) -> bool {
         self.rim[vertex.ix()]
@@ -29,11 +29,11 @@ impl Trail for Record {
     #[inline]
     fn corners(&self, step: usize, cell: usize) -> [Vec3; 3] {
         let cell = self.star[cell];
-        [self.leaves + step as u32, cell.after, cell.before].map(|v| self.positions[v as usize])
+        [self.leaves + step as u32, cell.after, cell.before].map(|v| self.nodes.positions[v as usize])
     }
     fn gone(&self, step: usize) -> impl Iterator<Item = Vec3> {
         let merge = self.merges[step];
-        [merge.u, merge.v].map(|v| self.positions[v as usize]).into_iter()
+        [merge.u, merge.v].map(|v| self.nodes.positions[v as usize]).into_iter()
     }
 
     fn ways(&self, triangles: usize) -> Ways<u64> {
