@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueHint};
 use glam::Vec3;
+use meshfront::hierarchies::vertex_removal::Connectivity;
 use meshfront::mesh::sample::Sample;
 use meshfront::refine::criteria::Shape;
 use meshfront::simplify::metrics::MetricChoice;
@@ -76,6 +77,9 @@ pub struct Recipe {
     pub precision: Precision,
     #[command(flatten)]
     pub pairing: Pairing,
+    /// Vertex removal only: how the file says which triangulation each polygon has [default: turned, the smallest]
+    #[arg(long, value_name = "CODE", value_enum, help_heading = "Vertex removal")]
+    pub connectivity: Option<Code>,
     /// Heights only: how many times too high to make the terrain
     #[arg(long, value_name = "F", default_value_t = 1.0, value_parser = exaggeration)]
     pub exaggeration: f32,
@@ -96,6 +100,32 @@ pub enum Choice {
     VertexPair,
     /// 2-manifolds, with or without boundary: the vertices of all levels are those of the source
     VertexRemoval,
+}
+
+#[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
+pub enum Code {
+    /// A number in a table of all patterns: 13 bits (Klein and Gumhold)
+    Table,
+    /// The number among the triangulations of its polygon (Andújar and De Floriani)
+    Index,
+    /// A bit for each corner: whether it is cut off next (De Floriani and others)
+    Ears,
+    /// Two bits a triangle: whether others are to its left and to its right (Taubin and others)
+    Sides,
+    /// As index, turned to the least number
+    Turned,
+}
+
+impl Code {
+    pub fn connectivity(self) -> Connectivity {
+        match self {
+            Code::Table => Connectivity::Table,
+            Code::Index => Connectivity::Index,
+            Code::Ears => Connectivity::Ears,
+            Code::Sides => Connectivity::Sides,
+            Code::Turned => Connectivity::Turned,
+        }
+    }
 }
 
 /// How vertex pairs merge.
@@ -190,6 +220,7 @@ impl Recipe {
         model: Choice::Auto,
         precision: Precision { bits: 16, lossless: false },
         pairing: Pairing::PLAIN,
+        connectivity: None,
         exaggeration: 1.0,
         threads: Threads { threads: None },
     };

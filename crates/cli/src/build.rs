@@ -13,7 +13,7 @@ use meshfront::{
     format, survey,
 };
 
-use crate::args::{Build, Choice, Recipe};
+use crate::args::{Build, Choice, Code, Recipe};
 use crate::progress::Phases;
 use crate::{input, interrupt, output, text};
 
@@ -61,6 +61,10 @@ pub fn build(source: &Path, recipe: &Recipe, phases: &Phases) -> Result<Built> {
     };
     if let Some(option) = recipe.pairing.given().filter(|_| asked.is_some_and(|m| m != Model::VertexPair)) {
         return Err(output::Usage(format!("{option} is for vertex pairs: add `--model vertex_pair`")).into());
+    }
+    if recipe.connectivity.is_some() && asked != Some(Model::VertexRemoval) {
+        let advice = "--connectivity is for vertex removal: add `--model vertex_removal`";
+        return Err(output::Usage(advice.into()).into());
     }
     recipe.threads.pool()?.install(|| match asked {
         Some(Model::RightTriangles) if !heights => Err(output::Usage(format!(
@@ -136,7 +140,8 @@ fn simplify(
         }
         Model::VertexPair => Stored::VertexPair(vertex_pair_columns(mesh, &recipe.pairing.options(bits), p)?),
         Model::VertexRemoval => {
-            let options = VertexRemovalOptions { bits, ..VertexRemovalOptions::default() };
+            let connectivity = recipe.connectivity.map_or_else(Default::default, Code::connectivity);
+            let options = VertexRemovalOptions { bits, connectivity, ..VertexRemovalOptions::default() };
             Stored::VertexRemoval(vertex_removal_columns(mesh, &options, p)?)
         }
         Model::RightTriangles => unreachable!("is not made of a mesh"),

@@ -9,7 +9,7 @@ use meshfront::mesh::io::ReadReport;
 use meshfront::mesh::io::height::is_height_format;
 use meshfront::mesh::{Bounds, Unit};
 use meshfront::{Hierarchy, RightTriangles, Survey, format, survey};
-use serde_json::json;
+use serde_json::{Map, json};
 
 use crate::args::Info;
 use crate::progress::Phases;
@@ -34,6 +34,14 @@ fn hierarchy(path: &Path, as_json: bool) -> Result<()> {
         value["base_triangles"] = hierarchy.base_triangles().into();
         value["base_error"] = hierarchy.base_error().into();
         value["updates"] = hierarchy.update_count().into();
+        if let Hierarchy::VertexRemoval(h) = &hierarchy {
+            value["connectivity"] = h.connectivity().name().into();
+            value["connectivity_bits"] = Connectivity::ALL
+                .iter()
+                .map(|c| (c.name().to_owned(), c.mean_bits(h).into()))
+                .collect::<Map<_, _>>()
+                .into();
+        }
         return text::print_json(&value);
     }
     let relative = |error: f32| if diagonal > 0.0 { text::percent(error as f64 / diagonal) } else { "0 %".into() };
@@ -83,7 +91,11 @@ fn hierarchy(path: &Path, as_json: bool) -> Result<()> {
             format!("{} {:.2}{published}", c.name(), c.mean_bits(h))
         };
         let all = Connectivity::ALL.map(bits).join(", ");
-        lines.push(("triangulations", format!("mean bits by code: {all}; entropy {:.2}", entropy(h))));
+        let code = h.connectivity();
+        lines.push((
+            "triangulations",
+            format!("{code} in this file; mean bits by code: {all}; entropy {:.2}", entropy(h)),
+        ));
     }
     if let Hierarchy::VertexPair(h) = &hierarchy {
         let hidden = text::count(h.hidden_needs().len() as u64);

@@ -10,7 +10,8 @@ use meshfront_refine::{MultiTessellation, UpdateId};
 use meshfront_simplify::{BuildError, VertexRemovalOptions, vertex_removal};
 
 fn build(mesh: &TriangleMesh, bits: Option<u32>, base_triangles: usize) -> VertexRemoval {
-    vertex_removal(mesh, &VertexRemovalOptions { bits, base_triangles }, &()).expect("sample meshes are manifolds")
+    vertex_removal(mesh, &VertexRemovalOptions { bits, base_triangles, connectivity: Default::default() }, &())
+        .expect("sample meshes are manifolds")
 }
 
 /// Without attributes and lossless; painted and on a coarse grid.

@@ -344,7 +344,8 @@ pub(crate) fn encode_meta(meta: &Meta) -> Vec<u8> {
     bytes
 }
 
-fn decode_meta(section: Section) -> Result<Meta, Fault> {
+/// `own`: flags of the model besides those that all have.
+fn decode_meta(section: Section, own: u32) -> Result<Meta, Fault> {
     let bytes = section.bytes;
     if bytes.len() != META_LENGTH {
         return Err(section.fault(0, "length is not 64"));
@@ -352,7 +353,7 @@ fn decode_meta(section: Section) -> Result<Meta, Fault> {
     let number = |at| f64::from_bits(u64_at(bytes, at));
     let count = |at| u32_at(bytes, at) as usize;
     let flags = u32_at(bytes, 0);
-    if flags >= 2 * HAS_COLORS {
+    if flags & !own >= 2 * HAS_COLORS {
         return Err(section.fault(0, "unknown flags"));
     }
     let grid = Grid { bits: u32_at(bytes, 4), origin: DVec3::new(number(8), number(16), number(24)), step: number(32) };
@@ -633,14 +634,19 @@ pub(crate) struct Opened<'a> {
 
 impl<'a> Opened<'a> {
     fn new(bytes: &'a [u8], file: &str) -> Result<Opened<'a>, ReadError> {
-        Opened::with(bytes, file, &SECTIONS)
+        Opened::with(bytes, file, &SECTIONS, 0)
     }
-    /// Of a model that has these of the sections.
-    pub(crate) fn with(bytes: &'a [u8], file: &str, known: &[&'static str]) -> Result<Opened<'a>, ReadError> {
+    /// Of a model that has these of the sections, and these flags besides those that all have.
+    pub(crate) fn with(
+        bytes: &'a [u8],
+        file: &str,
+        known: &[&'static str],
+        own_flags: u32,
+    ) -> Result<Opened<'a>, ReadError> {
         let sections = container::open(bytes, file, known)?;
         let missing = |name| Fault { section: name, offset: 0, reason: "is missing" }.in_file(file);
         let get = |name: &str| sections.iter().find(|s| s.name == name).copied();
-        let meta = decode_meta(get("META").ok_or_else(|| missing("META"))?).map_err(|f| f.in_file(file))?;
+        let meta = decode_meta(get("META").ok_or_else(|| missing("META"))?, own_flags).map_err(|f| f.in_file(file))?;
         for &name in known {
             let expected = match name {
                 "BNRM" => meta.has(HAS_BASE_NORMALS),

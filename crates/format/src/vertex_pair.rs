@@ -274,7 +274,7 @@ fn encode_stars(
 /// # Errors
 /// [`ReadError`], with section and offset.
 pub fn decode(bytes: &[u8], file: &str) -> Result<Columns, ReadError> {
-    let opened = Opened::with(bytes, file, &shared::SECTIONS)?;
+    let opened = Opened::with(bytes, file, &shared::SECTIONS, 0)?;
     decode_opened(&opened).map_err(|fault| fault.in_file(file))
 }
 

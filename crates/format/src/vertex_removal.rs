@@ -11,7 +11,9 @@
 #[cfg(feature = "write")]
 use glam::Vec3;
 use meshfront_hierarchies::edge_collapse::Oct;
-use meshfront_hierarchies::vertex_removal::{Columns, Patch, Triangulation};
+use meshfront_hierarchies::vertex_removal::{Columns, Connectivity, Patch, Triangulation};
+
+use std::iter::from_fn;
 
 use crate::container::Section;
 #[cfg(feature = "write")]
@@ -36,17 +38,39 @@ pub const MODEL: &str = "vertex_removal";
 
 const SECTIONS: [&str; 6] = ["META", "BASE", "BNRM", "BCOL", "UTAB", "INSR"];
 
+/// Flags of META: the place in [`Connectivity::ALL`].
+const CONNECTIVITY: u32 = 7 * FIRST_CONNECTIVITY;
+const FIRST_CONNECTIVITY: u32 = 2 * shared::HAS_COLORS;
+
 /// Bits of an error that rounding leaves 0.
 const ERROR_SHIFT: u32 = 19;
 
+/// What there is of each update, and how.
+#[derive(Clone, Copy)]
+struct Parts {
+    normals: bool,
+    colors: bool,
+    connectivity: Connectivity,
+}
+
+#[cfg(feature = "write")]
+fn flags_of(connectivity: Connectivity) -> u32 {
+    let place = Connectivity::ALL.iter().position(|&c| c == connectivity).expect("ALL has all");
+    FIRST_CONNECTIVITY * place as u32
+}
+
+fn connectivity_of(flags: u32) -> Result<Connectivity, &'static str> {
+    let place = (flags & CONNECTIVITY) / FIRST_CONNECTIVITY;
+    Connectivity::ALL.get(place as usize).copied().ok_or("unknown connectivity")
+}
+
 /// Everything of one update, as integers: differences from the vertex that its cell was made by.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Row {
     cell: u32,
     edge: u8,
     boundary: bool,
-    corners: u8,
-    index: u16,
+    triangulation: Triangulation,
     error: u32,
     position: [i32; 3],
     normal: [i32; 4],
@@ -57,8 +81,6 @@ struct Row {
 struct Models {
     cell: [IntModel; 2],
     place: Model<8>,
-    corners: Model<16>,
-    index: [IntModel; 9],
     error: IntModel,
     position: [[IntModel; 4]; 3],
     normal: [IntModel; 2],
@@ -70,8 +92,6 @@ impl Models {
         Models {
             cell: int_models(),
             place: Model::new(),
-            corners: Model::new(),
-            index: int_models(),
             error: IntModel::new(),
             position: std::array::from_fn(|_| int_models()),
             normal: int_models(),
@@ -102,7 +122,8 @@ fn maker(base: &[[meshfront_mesh::VertexId; 3]], vertices: usize, cell: u32, upd
 #[cfg(feature = "write")]
 pub fn encode(columns: &Columns) -> Result<Vec<u8>, crate::EncodeError> {
     use meshfront_hierarchies::edge_collapse::InvalidColumns;
-    let Columns { grid, base, patches, positions, normals, colors, errors, floor_error, source } = columns;
+    let Columns { grid, base, patches, positions, normals, colors, errors, floor_error, source, connectivity } =
+        columns;
     let (updates, vertices) = (patches.len(), base.positions.len());
     columns.check()?;
     if let Some(reason) = grid.and_then(|grid| shared::grid_fault(&grid)) {
@@ -121,7 +142,7 @@ pub fn encode(columns: &Columns) -> Result<Vec<u8>, crate::EncodeError> {
     let ranges = shared::page_ranges(updates);
     let rows: Vec<Row> = (0..updates)
         .map(|m| {
-            let Patch { cell, edge, boundary, triangulation: Triangulation { corners, index } } = patches[m];
+            let Patch { cell, edge, boundary, triangulation } = patches[m];
             let invalid = |reason| InvalidColumns::Update { update: m as u32, reason };
             let from = maker(&base.triangles, vertices, cell, m).ok_or(invalid("its cell does not exist yet"))?;
             let (here, there) = (indices[vertices + m], indices[from]);
@@ -129,8 +150,7 @@ pub fn encode(columns: &Columns) -> Result<Vec<u8>, crate::EncodeError> {
                 cell,
                 edge,
                 boundary,
-                corners,
-                index,
+                triangulation,
                 error: crate::round_error_up(errors[m]).abs().to_bits() >> ERROR_SHIFT,
                 position: [0, 1, 2].map(|k| here[k].wrapping_sub(there[k]) as i32),
                 normal: if normals.is_empty() { [0; 4] } else { normals[m].minus(normal(from)) },
@@ -138,8 +158,8 @@ pub fn encode(columns: &Columns) -> Result<Vec<u8>, crate::EncodeError> {
             })
         })
         .collect::<Result<_, InvalidColumns>>()?;
-    let pages =
-        map_all(ranges.clone(), |range| encode_page(&rows[range.clone()], !normals.is_empty(), !colors.is_empty()));
+    let parts = Parts { normals: !normals.is_empty(), colors: !colors.is_empty(), connectivity: *connectivity };
+    let pages = map_all(ranges.clone(), |range| encode_page(&rows[range.clone()], parts));
     let mut table = Vec::new();
     for (page, range) in pages.iter().zip(ranges) {
         let worst = rows[range.clone()].iter().map(|row| row.error).max().unwrap_or(0) << ERROR_SHIFT;
@@ -149,7 +169,7 @@ pub fn encode(columns: &Columns) -> Result<Vec<u8>, crate::EncodeError> {
     }
 
     let meta = Meta {
-        flags: shared::flags(*grid, base, !normals.is_empty(), !colors.is_empty()),
+        flags: shared::flags(*grid, base, parts.normals, parts.colors) | flags_of(*connectivity),
         grid: *grid,
         base_vertices: vertices,
         base_triangles: base.triangles.len(),
@@ -172,25 +192,24 @@ pub fn encode(columns: &Columns) -> Result<Vec<u8>, crate::EncodeError> {
 }
 
 #[cfg(feature = "write")]
-fn encode_page(rows: &[Row], normals: bool, colors: bool) -> Vec<u8> {
+fn encode_page(rows: &[Row], parts: Parts) -> Vec<u8> {
     let (mut e, mut models) = (Encoder::default(), Models::new());
     let (mut cell, mut error, mut class) = (0u32, 0u32, 0);
     for row in rows {
         encode_int(&mut e, &mut models.cell[0], (row.cell / Columns::CELLS).wrapping_sub(cell / Columns::CELLS) as i32);
         encode_int(&mut e, &mut models.cell[1], (row.cell % Columns::CELLS) as i32);
         e.symbol(&mut models.place, 2 * row.edge as usize + usize::from(row.boundary));
-        e.symbol(&mut models.corners, row.corners as usize);
-        encode_int(&mut e, &mut models.index[row.corners as usize - 3], row.index as i32);
+        parts.connectivity.encode(row.triangulation, row.boundary).bits().for_each(|bit| e.raw(bit.into(), 1));
         encode_int(&mut e, &mut models.error, row.error.wrapping_sub(error) as i32);
         for axis in 0..3 {
             class = encode_int(&mut e, &mut models.position[axis][context(class)], row.position[axis]);
         }
-        if normals {
+        if parts.normals {
             for k in 0..2 {
                 encode_int(&mut e, &mut models.normal[k], row.normal[k]);
             }
         }
-        if colors {
+        if parts.colors {
             for k in 0..4 {
                 encode_int(&mut e, &mut models.color[k], row.color[k]);
             }
@@ -200,28 +219,36 @@ fn encode_page(rows: &[Row], normals: bool, colors: bool) -> Vec<u8> {
     join(&[e.finish()], rows.len())
 }
 
-fn decode_page(page: Section, updates: usize, normals: bool, colors: bool) -> Result<Vec<Row>, Fault> {
+fn decode_page(page: Section, updates: usize, parts: Parts) -> Result<Vec<Row>, Fault> {
     let ([stream], end) = split(page)?;
     check_length(page, end, updates)?;
     let (mut d, mut models) = (Decoder::new(stream.bytes), Models::new());
     let mut rows = Vec::with_capacity(updates);
     let (mut cell, mut error, mut class) = (0u32, 0u32, 0);
     for _ in 0..updates {
-        let mut row = Row::default();
         let sixteens = (cell / Columns::CELLS).wrapping_add(decode_int(&mut d, &mut models.cell[0]).0 as u32);
         let rest = decode_int(&mut d, &mut models.cell[1]).0 as u32;
-        row.cell = sixteens.wrapping_mul(Columns::CELLS).wrapping_add(rest);
+        let here = sixteens.wrapping_mul(Columns::CELLS).wrapping_add(rest);
         if rest >= Columns::CELLS || sixteens > u32::MAX / Columns::CELLS {
             return Err(page.fault(4, "a cell is out of range"));
         }
         let place = d.symbol(&mut models.place);
-        (row.edge, row.boundary) = (place as u8 / 2, place % 2 == 1);
-        row.corners = d.symbol(&mut models.corners) as u8;
-        if row.edge > 2 || !(3..=11).contains(&row.corners) {
-            return Err(page.fault(4, "a polygon has too few or too many corners, or an edge that is none"));
+        let (edge, boundary) = (place as u8 / 2, place % 2 == 1);
+        if edge > 2 {
+            return Err(page.fault(4, "an edge that is none"));
         }
-        let index = decode_int(&mut d, &mut models.index[row.corners as usize - 3]).0;
-        row.index = u16::try_from(index).map_err(|_| page.fault(4, "a triangulation is out of range"))?;
+        let triangulation = parts.connectivity.decode(&mut from_fn(|| Some(d.raw(1) == 1)), boundary);
+        let triangulation = triangulation.ok_or(page.fault(4, "a triangulation that is none"))?;
+        let mut row = Row {
+            cell: here,
+            edge,
+            boundary,
+            triangulation,
+            error: 0,
+            position: [0; 3],
+            normal: [0; 4],
+            color: [0; 4],
+        };
         row.error = error.wrapping_add(decode_int(&mut d, &mut models.error).0 as u32);
         if row.error >= 0x7f80_0000 >> ERROR_SHIFT {
             return Err(page.fault(4, "an error is negative or not finite"));
@@ -229,10 +256,10 @@ fn decode_page(page: Section, updates: usize, normals: bool, colors: bool) -> Re
         for axis in 0..3 {
             (row.position[axis], class) = decode_int(&mut d, &mut models.position[axis][context(class)]);
         }
-        if normals {
+        if parts.normals {
             (0..2).for_each(|k| row.normal[k] = decode_int(&mut d, &mut models.normal[k]).0);
         }
-        if colors {
+        if parts.colors {
             (0..4).for_each(|k| row.color[k] = decode_int(&mut d, &mut models.color[k]).0);
         }
         (cell, error) = (row.cell, row.error);
@@ -249,7 +276,7 @@ fn decode_page(page: Section, updates: usize, normals: bool, colors: bool) -> Re
 /// # Errors
 /// [`ReadError`], with section and offset.
 pub fn decode(bytes: &[u8], file: &str) -> Result<Columns, ReadError> {
-    let opened = Opened::with(bytes, file, &SECTIONS)?;
+    let opened = Opened::with(bytes, file, &SECTIONS, CONNECTIVITY)?;
     decode_opened(&opened).map_err(|fault| fault.in_file(file))
 }
 
@@ -264,7 +291,9 @@ fn decode_opened(opened: &Opened) -> Result<Columns, Fault> {
     if meta.has(shared::HAS_BASE_COLORS) {
         base.vertex.colors = shared::decode_base_colors(opened.section("BCOL"), meta.base_vertices)?;
     }
+    let connectivity = connectivity_of(meta.flags).map_err(|reason| opened.section("META").fault(0, reason))?;
     let (has_normals, has_colors) = (meta.has(shared::HAS_NORMALS), meta.has(shared::HAS_COLORS));
+    let parts = Parts { normals: has_normals, colors: has_colors, connectivity };
     let mut normals: Vec<Oct> = base.vertex.normals.iter().map(|&n| Oct::encode(n)).collect();
     let mut colors = base.vertex.colors.clone();
     normals.resize(meta.base_vertices, Oct::default());
@@ -272,9 +301,14 @@ fn decode_opened(opened: &Opened) -> Result<Columns, Fault> {
 
     let lattice = Lattice::new(meta.grid);
     let worst: Vec<(Section, f32)> = table.iter().map(|row| (row.page, row.max_error)).collect();
-    let pages = map_all(table, |row| decode_page(row.page, row.updates, has_normals, has_colors));
-    let mut columns =
-        Columns { grid: meta.grid, floor_error: meta.floor_error, source: meta.source, ..Columns::default() };
+    let pages = map_all(table, |row| decode_page(row.page, row.updates, parts));
+    let mut columns = Columns {
+        grid: meta.grid,
+        floor_error: meta.floor_error,
+        source: meta.source,
+        connectivity,
+        ..Columns::default()
+    };
     for (rows, (page, max_error)) in pages.into_iter().zip(worst) {
         let rows = rows?;
         if rows.iter().map(|row| row.error).max().unwrap_or(0) << ERROR_SHIFT != max_error.to_bits() {
@@ -298,7 +332,7 @@ fn decode_opened(opened: &Opened) -> Result<Columns, Fault> {
                 cell: row.cell,
                 edge: row.edge,
                 boundary: row.boundary,
-                triangulation: Triangulation { corners: row.corners, index: row.index },
+                triangulation: row.triangulation,
             });
         }
     }
@@ -317,7 +351,7 @@ fn decode_opened(opened: &Opened) -> Result<Columns, Fault> {
 /// # Errors
 /// [`ReadError`], with section and offset.
 pub fn inspect(bytes: &[u8], file: &str) -> Result<Info, ReadError> {
-    let opened = Opened::with(bytes, file, &SECTIONS)?;
+    let opened = Opened::with(bytes, file, &SECTIONS, CONNECTIVITY)?;
     let body = opened.section("INSR");
     let rows = shared::decode_table(opened.section("UTAB"), body, &opened.meta).map_err(|f| f.in_file(file))?;
     let page = |row: &shared::PageRow| PageInfo {

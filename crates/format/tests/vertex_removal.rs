@@ -7,12 +7,12 @@ use common::checksums::repair;
 use meshfront_format::vertex_removal::{decode, encode, inspect};
 use meshfront_format::{EncodeError, round_error_up};
 use meshfront_hierarchies::VertexRemoval;
-use meshfront_hierarchies::vertex_removal::Columns;
+use meshfront_hierarchies::vertex_removal::{Columns, Connectivity};
 use meshfront_mesh::{TriangleMesh, sample};
 use meshfront_simplify::{VertexRemovalOptions, vertex_removal_columns};
 
 fn columns(mesh: &TriangleMesh, bits: Option<u32>) -> Columns {
-    let options = VertexRemovalOptions { bits, base_triangles: 40 };
+    let options = VertexRemovalOptions { bits, base_triangles: 40, connectivity: Connectivity::default() };
     vertex_removal_columns(mesh, &options, &()).unwrap()
 }
 
@@ -50,13 +50,39 @@ fn what_is_written_is_what_is_read() {
 }
 
 #[test]
+fn triangulations_are_coded_as_asked() {
+    let columns = columns(&sample::scan(20_000), Some(16));
+    let h = VertexRemoval::new(columns.clone()).unwrap();
+    let length = |connectivity| {
+        let asked = Columns { connectivity, ..columns.clone() };
+        let bytes = encode(&asked).unwrap();
+        let read = decode(&bytes, "test").unwrap();
+        assert_eq!((read.connectivity, &read.patches), (connectivity, &columns.patches));
+        assert_eq!(VertexRemoval::new(read).unwrap().columns().connectivity, connectivity);
+        bytes.len() as f64
+    };
+    let sizes = Connectivity::ALL.map(|code| (length(code), code.mean_bits(&h)));
+    for (bytes, bits) in sizes {
+        // All else is the same, but for the ends of streams.
+        let expected = sizes[0].0 + (bits - sizes[0].1) * columns.patches.len() as f64 / 8.0;
+        assert!((bytes - expected).abs() < 4.0 * (columns.patches.len() / 4096 + 1) as f64, "{bytes}, not {expected}");
+    }
+}
+
+#[test]
 fn every_shorter_length_and_every_changed_byte_is_an_error() {
-    let file = encode(&columns(&painted(300), Some(12))).unwrap();
+    let columns = columns(&painted(300), Some(12));
+    for connectivity in [Connectivity::Turned, Connectivity::Ears] {
+        is_checked(&encode(&Columns { connectivity, ..columns.clone() }).unwrap());
+    }
+}
+
+fn is_checked(file: &[u8]) {
     for length in 0..file.len() {
         assert!(decode(&file[..length], "cut.front").is_err() && inspect(&file[..length], "cut.front").is_err());
     }
     for at in 0..file.len() {
-        let mut changed = file.clone();
+        let mut changed = file.to_vec();
         changed[at] ^= 0x41;
         assert!(decode(&changed, "changed.front").is_err(), "byte {at}");
     }
@@ -65,10 +91,12 @@ fn every_shorter_length_and_every_changed_byte_is_an_error() {
 /// Damage that checksums do not see: an error, or columns that may or may not be a hierarchy; never a panic.
 #[test]
 fn no_damage_panics() {
-    let file = encode(&columns(&painted(300), None)).unwrap();
+    let columns = columns(&painted(300), None);
+    let files = Connectivity::ALL.map(|connectivity| encode(&Columns { connectivity, ..columns.clone() }).unwrap());
     let mut random = Random(9);
     let mut read = 0;
-    for _ in 0..20_000 {
+    for i in 0..24_000 {
+        let file = &files[i % files.len()];
         let mut changed = file.clone();
         for _ in 0..1 + random.below(3) {
             let at = random.below(file.len() as u64) as usize;

@@ -51,6 +51,7 @@ pub struct VertexRemoval {
     /// Per update: the lower halves of [`Insertion::place`]; empty where 16 bits do.
     fine_places: Vec<[u16; 3]>,
     grid: Option<Grid>,
+    connectivity: Connectivity,
     source_normals: bool,
     colors: Vec<[u8; 4]>,
     costs: Vec<f32>,
@@ -141,7 +142,12 @@ impl VertexRemoval {
             errors: updates.map(|m| self.error(m)).collect(),
             floor_error: self.floor_error,
             source: self.source,
+            connectivity: self.connectivity,
         }
+    }
+    /// How its file says which triangulations they are.
+    pub fn connectivity(&self) -> Connectivity {
+        self.connectivity
     }
 
     /// The base mesh Γ₀.

@@ -17,7 +17,7 @@ mod samples;
 use crate::measure::measure;
 use crate::{BuildError, Progress, check};
 use meshfront_hierarchies::VertexRemoval;
-use meshfront_hierarchies::vertex_removal::{Columns, Grid};
+use meshfront_hierarchies::vertex_removal::{Columns, Connectivity, Grid};
 use meshfront_mesh::{Bounds, TriangleMesh};
 
 /// How to build.
@@ -27,11 +27,13 @@ pub struct VertexRemovalOptions {
     pub bits: Option<u32>,
     /// Where to stop: the number of triangles of the base mesh. Topology may stop it earlier.
     pub base_triangles: usize,
+    /// How a file says which triangulations the polygons have.
+    pub connectivity: Connectivity,
 }
 
 impl Default for VertexRemovalOptions {
     fn default() -> Self {
-        VertexRemovalOptions { bits: Some(16), base_triangles: 300 }
+        VertexRemovalOptions { bits: Some(16), base_triangles: 300, connectivity: Connectivity::default() }
     }
 }
 
@@ -66,5 +68,5 @@ pub fn vertex_removal_columns(
     let grid = options.bits.map(|bits| Grid::fit(bounds, bits));
     let record = remove::remove(mesh, grid, options.base_triangles, progress)?;
     let errors = measure(mesh, &record, progress)?;
-    Ok(arrange::arrange(mesh, grid, record, errors))
+    Ok(Columns { connectivity: options.connectivity, ..arrange::arrange(mesh, grid, record, errors) })
 }

@@ -1,5 +1,6 @@
 //! The stored columns: what the simplifier makes and a file holds.
 
+use super::encode::Connectivity;
 use super::polygon::Triangulation;
 use crate::columns::{InvalidColumns, SourceCounts};
 use crate::quantize::{Grid, Oct};
@@ -32,6 +33,8 @@ pub struct Columns {
     pub floor_error: f32,
     /// Sizes of the mesh that the hierarchy was built from.
     pub source: SourceCounts,
+    /// How a file says which triangulations they are.
+    pub connectivity: Connectivity,
 }
 
 impl Columns {

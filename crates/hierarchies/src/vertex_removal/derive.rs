@@ -172,6 +172,7 @@ fn undecorated(c: Columns) -> VertexRemoval {
         },
         places,
         grid: c.grid,
+        connectivity: c.connectivity,
         source_normals,
         colors: c.colors,
         costs: vec![0.0; updates],

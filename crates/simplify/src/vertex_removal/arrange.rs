@@ -80,6 +80,7 @@ pub(super) fn arrange(source: &TriangleMesh, grid: Option<Grid>, record: Record,
         errors: order.iter().map(|&i| error[i as usize]).collect(),
         floor_error: errors.floor,
         source: SourceCounts { vertices: source.positions.len() as u32, triangles: source.triangles.len() as u32 },
+        connectivity: Default::default(),
         base,
     }
 }
