@@ -190,6 +190,20 @@ fn info_describes_meshes_and_hierarchies() {
 }
 
 #[test]
+fn study_compares_the_rules_of_dependency() {
+    let bench = Bench::new();
+    bench.ok("sample scan -o scan.ply --triangles 3000");
+    let said = bench.json("study dependencies scan.ply --tolerance 4 --json --quiet");
+    let rules = said["rules"].as_array().unwrap();
+    assert_eq!(rules.len(), 5);
+    assert!(rules.iter().all(|r| r["triangles"].as_f64().is_some_and(|n| n > 0.0)), "{said}");
+    let words = bench.ok("study dependencies scan.ply").out;
+    assert!(words.contains("implicit numbers") && words.contains("forced"), "{words}");
+    assert_eq!(bench.run("study dependencies none.ply").code, Some(1));
+    assert_eq!(bench.run("study dependencies scan.ply --tolerance 0").code, Some(2));
+}
+
+#[test]
 fn bench_prints_the_figures_and_json() {
     let bench = Bench::with_scan(3_000);
     let said = bench.json("bench scan.front --json --quiet");

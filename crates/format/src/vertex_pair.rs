@@ -215,6 +215,10 @@ fn encode_stars(
         let (mut encoder, mut models) = (Encoder::default(), Models::new());
         for m in range {
             let (s, children) = (columns.vertex[m], [0, 1].map(|k| VertexId((roots + 2 * m + k) as u32)));
+            if replay.stars[s.ix()].len() > Columns::MAX_STAR {
+                let reason = "its star has too many triangles";
+                return Err(InvalidColumns::Update { update: m as u32, reason });
+            }
             replay.part(s, children, |context, number, k| {
                 let to_v = forest.triangles[number as usize][k] >= forest.middles[m];
                 encoder.symbol(&mut models.side[context], usize::from(to_v));
@@ -264,7 +268,7 @@ fn encode_stars(
 /// The columns of a file that lies in memory. `file` is what errors call it.
 ///
 /// Every byte is covered by a checksum, and every number is checked before it is used or allocated for: memory stays
-/// below 256 bytes for each byte of the file. Time follows the sizes of all stars. Whether errors grow downwards is for
+/// below 256 bytes for each byte of the file. Time follows the sizes of all stars, which have a limit. Whether errors grow downwards is for
 /// `VertexPair::new` to check.
 ///
 /// # Errors
@@ -316,6 +320,9 @@ fn decode_opened(opened: &Opened) -> Result<Columns, Fault> {
             let (s, children) = (vertex[m], [0, 1].map(|k| VertexId((roots + 2 * m + k) as u32)));
             if std::mem::replace(&mut split_already[s.ix()], true) {
                 return Err(fault("an update splits a node that is split already"));
+            }
+            if replay.stars[s.ix()].len() > Columns::MAX_STAR {
+                return Err(fault("an update splits a node with too many triangles"));
             }
             replay.part(s, children, |context, _, _| decoder.symbol(&mut models.side[context]) == 1);
             let own = decode_int(&mut decoder, &mut models.added[replay.between()]).0;

@@ -11,6 +11,14 @@ use meshfront_hierarchies::VertexPair;
 use meshfront_hierarchies::vertex_pair::Columns;
 use meshfront_mesh::sample::{self, defects};
 use meshfront_mesh::{TriangleMesh, VertexId};
+use peak_alloc::PeakAlloc;
+use std::sync::Mutex;
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+/// Tests that look at memory, or use much, do so one after the other.
+static ALONE: Mutex<()> = Mutex::new(());
 
 fn columns(mesh: &TriangleMesh, bits: Option<u32>, far: usize) -> Columns {
     merge(mesh, &Merging { bits, base_triangles: 4, far, seed: 3 })
@@ -27,6 +35,7 @@ fn painted(triangles: usize) -> TriangleMesh {
 
 #[test]
 fn what_is_written_is_what_is_read() {
+    let _alone = ALONE.lock();
     for (mesh, bits, far) in [
         (sample::sphere(1_000), Some(16), 1000),
         (sample::scan(1_000), None, 5),
@@ -52,6 +61,7 @@ fn what_is_written_is_what_is_read() {
 
 #[test]
 fn every_shorter_length_and_every_changed_byte_is_an_error() {
+    let _alone = ALONE.lock();
     let file = encode(&columns(&painted(200), Some(12), 5)).unwrap();
     for length in 0..file.len() {
         assert!(decode(&file[..length], "cut.front").is_err() && inspect(&file[..length], "cut.front").is_err());
@@ -63,9 +73,11 @@ fn every_shorter_length_and_every_changed_byte_is_an_error() {
     }
 }
 
-/// Damage that checksums do not see: an error, or columns that may or may not be a hierarchy; never a panic.
+/// Damage that checksums do not see: an error, or columns that may or may not be a hierarchy; never a panic, nor much
+/// memory.
 #[test]
-fn no_damage_panics() {
+fn no_damage_panics_nor_takes_memory() {
+    let _alone = ALONE.lock();
     let file = encode(&columns(&painted(200), None, 5)).unwrap();
     let mut random = Random(9);
     let (mut read, mut sound) = (0, 0);
@@ -77,7 +89,12 @@ fn no_damage_panics() {
         }
         repair(&mut changed);
         let _ = inspect(&changed, "x");
-        if let Ok(columns) = decode(&changed, "x") {
+        MEMORY.reset_peak_usage();
+        let before = MEMORY.current_usage();
+        let result = decode(&changed, "x");
+        let most = MEMORY.peak_usage() - before;
+        assert!(most < 256 * file.len() + 100_000, "{most} bytes for a file of {}", file.len());
+        if let Ok(columns) = result {
             read += 1;
             // What is read is a forest; only errors may grow downwards.
             assert_eq!(decode(&encode(&columns).expect("a forest"), "again").expect("just written"), columns);
@@ -89,7 +106,33 @@ fn no_damage_panics() {
 
 #[test]
 fn what_is_no_forest_is_refused() {
+    let _alone = ALONE.lock();
     let mut columns = columns(&sample::sphere(300), Some(16), 100);
     columns.vertex[3] = VertexId(u32::MAX);
     assert!(matches!(encode(&columns), Err(EncodeError::Columns(_))));
+}
+
+/// The densest that a page may be: as many updates, and triangles, as it has bytes.
+#[test]
+fn counts_take_no_memory_that_the_file_does_not_have() {
+    let _alone = ALONE.lock();
+    let file = encode(&columns(&sample::sphere(300), None, 100)).unwrap();
+    let table = inspect(&file, "x").unwrap().sections.iter().find(|s| s.name == "UTAB").unwrap().offset as usize;
+    let page = inspect(&file, "x").unwrap().pages[0].clone();
+    let length = page.bytes as u32;
+    for (updates, triangles) in [(length, length), (page.updates, length), (page.updates, u32::MAX), (u32::MAX, 9)] {
+        let mut changed = file.clone();
+        let stars = page.offset as usize
+            + 16
+            + u32::from_le_bytes(file[page.offset as usize..][..4].try_into().unwrap()) as usize;
+        changed[table + 4..table + 8].copy_from_slice(&updates.to_le_bytes());
+        changed[56 + 32 * 4 + 48..][..4].copy_from_slice(&updates.to_le_bytes());
+        changed[stars..stars + 4].copy_from_slice(&triangles.to_le_bytes());
+        repair(&mut changed);
+        MEMORY.reset_peak_usage();
+        let before = MEMORY.current_usage();
+        assert!(decode(&changed, "x").is_err());
+        let most = MEMORY.peak_usage() - before;
+        assert!(most < 256 * file.len() + 100_000, "{most} bytes for a file of {}", file.len());
+    }
 }

@@ -284,11 +284,15 @@ impl<H: MultiTessellation> Front<H> {
         self.sweep.words_left = 0;
         self.work.extend(self.open.iter());
         while let Some(m) = self.work.pop() {
-            if (self.filed.has(m) && !H::READS_MESH) || !self.open.has(m) || (H::READS_MESH && self.waits(h, m)) {
+            if (self.filed.has(m) && !H::READS_MESH) || !self.open.has(m) {
                 continue;
             }
             let rank = self.rank(h, c, m, &mut run);
             if rank.pixels <= run.tolerance || self.applied.has(m) {
+                // What is applied only because another update needs it goes when that one goes.
+                if H::READS_MESH && self.applied.has(m) && rank.pixels <= run.tolerance && self.waits(h, m) {
+                    continue;
+                }
                 self.file(rank);
                 run.timer.spend(1);
             } else if self.apply(h, m, run.max_cells) {
@@ -614,11 +618,16 @@ impl<H: MultiTessellation> Front<H> {
     /// Looks at a decision.
     #[inline]
     fn decide<C: Criterion + ?Sized>(&mut self, h: &H, c: &C, m: u32, run: &mut Run) {
-        if !self.open.has(m) || (H::READS_MESH && self.waits(h, m)) {
+        if !self.open.has(m) {
             return;
         }
         let rank = self.rank(h, c, m, run);
-        match (self.applied.has(m), rank.pixels > run.tolerance) {
+        let (applied, wanted) = (self.applied.has(m), rank.pixels > run.tolerance);
+        // An answer that changes nothing needs no look at the mesh.
+        if H::READS_MESH && (applied != wanted || self.budget_bound) && self.waits(h, m) {
+            return;
+        }
+        match (applied, wanted) {
             (false, true) => {
                 self.filed.insert(m);
                 self.wanted.push(rank);
@@ -683,7 +692,9 @@ impl<H: MultiTessellation> Front<H> {
             return true;
         }
         let first = self.steps.len();
-        let mut stack = vec![UpdateId(m)];
+        let mut stack = std::mem::take(&mut self.scratch);
+        stack.clear();
+        stack.push(UpdateId(m));
         while let Some(&top) = stack.last() {
             if self.applied.has(top.0) {
                 stack.pop();
@@ -702,6 +713,7 @@ impl<H: MultiTessellation> Front<H> {
                         self.undo(h, last.0);
                         self.steps.pop();
                     }
+                    self.scratch = stack;
                     return false;
                 }
                 self.refine(h, top);
@@ -712,6 +724,7 @@ impl<H: MultiTessellation> Front<H> {
                 stack.pop();
             }
         }
+        self.scratch = stack;
         true
     }
 

@@ -41,3 +41,8 @@ pub struct Columns {
     /// Sizes of the mesh that the hierarchy was built from.
     pub source: SourceCounts,
 }
+
+impl Columns {
+    /// The largest star that an update may split: bounds the time that a hierarchy takes to check.
+    pub const MAX_STAR: usize = 4096;
+}

@@ -25,6 +25,10 @@ pub(super) fn derive(columns: Columns) -> Result<VertexPair, InvalidColumns> {
     }
     let mut front = FrontMesh::base(&h);
     for m in (0..h.splits.len() as u32).map(UpdateId) {
+        let s = front.slot(m.0).expect("a forest");
+        if front.star(s).take(Columns::MAX_STAR + 1).count() > Columns::MAX_STAR {
+            return Err(InvalidColumns::Update { update: m.0, reason: "its star has too many triangles" });
+        }
         front.refine(&h, m);
         front.buffers.clear_changes();
         for slot in h.splits[m.ix()].children.iter().filter_map(|&key| front.slot(key)) {
@@ -279,6 +283,29 @@ mod tests {
         assert!(refused(&|c| c.added = vec![u32::MAX, u32::MAX]).contains("triangles"));
         assert!(refused(&|c| c.errors = vec![1.0, 2.0]).contains("larger"));
         assert!(refused(&|c| c.base.triangles.push([0, 0, 0].map(VertexId))).contains("triangles"));
+    }
+
+    #[test]
+    fn stars_have_a_limit() {
+        // Fans that share their hub, which splits; the new vertex has no triangle.
+        let fan = |n: u32| {
+            let triangles: Vec<_> = (0..n).map(|i| [0, 1 + i, 2 + i].map(VertexId)).collect();
+            let positions = (0..n + 2).map(|i| Vec3::new(i as f32, (i % 7) as f32, 0.0)).collect();
+            let hub = VertexId(n + 2);
+            let leaves = triangles.iter().map(|t: &[VertexId; 3]| [hub, t[1], t[2]]).collect();
+            Columns {
+                base: TriangleMesh { positions, triangles, ..TriangleMesh::default() },
+                triangles: leaves,
+                added: vec![0],
+                vertex: vec![VertexId(0)],
+                positions: vec![[Vec3::ZERO, Vec3::ONE]],
+                errors: vec![1.0],
+                ..Columns::default()
+            }
+        };
+        assert!(VertexPair::new(fan(Columns::MAX_STAR as u32)).is_ok());
+        let error = VertexPair::new(fan(Columns::MAX_STAR as u32 + 1)).expect_err("too large a star");
+        assert!(error.to_string().contains("too many triangles"), "{error}");
     }
 
     /// A square of two triangles a b c and a c d. b and d go into c one after the other, so that nothing is left to
