@@ -118,7 +118,7 @@ fn counts_take_no_memory_that_the_file_does_not_have() {
     let _alone = ALONE.lock();
     let file = encode(&columns(&sample::sphere(300), None, 100)).unwrap();
     let table = inspect(&file, "x").unwrap().sections.iter().find(|s| s.name == "UTAB").unwrap().offset as usize;
-    let page = inspect(&file, "x").unwrap().pages[0].clone();
+    let page = inspect(&file, "x").unwrap().pages[0];
     let length = page.bytes as u32;
     for (updates, triangles) in [(length, length), (page.updates, length), (page.updates, u32::MAX), (u32::MAX, 9)] {
         let mut changed = file.clone();
