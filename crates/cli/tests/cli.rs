@@ -190,6 +190,37 @@ fn info_describes_meshes_and_hierarchies() {
 }
 
 #[test]
+fn a_build_takes_the_model_that_serves_best_and_says_why() {
+    let bench = Bench::with_scan(1_000);
+    let says = |line: &str, words: &[&str]| {
+        let said = bench.ok(line).err;
+        words.iter().for_each(|word| assert!(said.contains(word), "{line}\n{said}"));
+    };
+    says("build scan.ply -o scan.front -f", &["model edge_collapse, since it is a 2-manifold"]);
+    // Three sheets on one edge.
+    let mut book = "OFF\n14 12 0\n".to_owned();
+    (0..2).for_each(|k| book += &format!("0 0 {k}\n"));
+    for angle in [0.0f32, 2.0, 4.0] {
+        let (x, y) = (angle.cos(), angle.sin());
+        (0..2).for_each(|k| book += &format!("{x} {y} {k}\n{} {} {k}\n", 2.0 * x, 2.0 * y));
+    }
+    for first in [2, 6, 10] {
+        let [a, b, c, d] = [first, first + 1, first + 2, first + 3];
+        book += &format!("3 0 {a} {c}\n3 0 {c} 1\n3 {a} {b} {d}\n3 {a} {d} {c}\n");
+    }
+    std::fs::write(bench.path("book.off"), book).unwrap();
+    says("build book.off -o book.front", &["model vertex_pair, since it is no 2-manifold at 1 edges and vertices"]);
+    bench.ok("sample assembly -o many.ply --triangles 1");
+    says("build many.ply -o many.front", &["model vertex_pair, since 200 pieces must join"]);
+    assert_eq!(bench.json("info many.front --json")["base_triangles"], 20);
+    says("build scan.ply -o pairs.front --pairs geometry-first --metric length", &["vertex_pair, as its options say"]);
+    bench
+        .run("build scan.ply -o x.front --model edge_collapse --metric length")
+        .failed(2, &["--metric", "vertex_pair"]);
+    bench.run("build scan.ply -o x.front --longest-join 0.1").failed(2, &["10%"]);
+}
+
+#[test]
 fn study_compares_the_rules_of_dependency() {
     let bench = Bench::new();
     bench.ok("sample scan -o scan.ply --triangles 3000");

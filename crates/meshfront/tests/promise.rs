@@ -101,7 +101,7 @@ fn no_point_is_farther_than_promised_where_topology_changes() {
         let hierarchy = vertex_pair(&source, &options, &()).unwrap();
         println!("{name}: base mesh of {} triangles", hierarchy.base_triangles());
         let ratios = kept(&source, &hierarchy, shares(1e-3, 0.2, 12), 30_000);
-        assert!(ratios[ratios.len() / 2] >= 0.3, "the promise is idle on {name}: {ratios:?}");
+        assert!(ratios[ratios.len() / 2] >= 0.5, "the promise is idle on {name}: {ratios:?}");
     }
 }
 

@@ -1,8 +1,8 @@
 //! Merges of pairs of vertices, whether an edge joins them or not, recorded as a hierarchy (`elsana1999`).
 //!
-//! `merge` takes the cheapest pair, again and again, whatever that does to the topology, and keeps a record; points of the
-//! source are followed through it, which gives the error of each update; `arrange` sorts the record coarse to fine and
-//! numbers it.
+//! `virtual_edges` finds pairs that no edge joins; `merge` takes the cheapest pair, again and again, whatever that does to the
+//! topology, and keeps a record; points of the source are followed through it, which gives the error of each update; `arrange`
+//! sorts the record coarse to fine and numbers it.
 //!
 //! We differ from the paper in this: errors are measured; a triangle that would lie on another of the same orientation goes
 //! with the merge that brings it there; and what is left of a part never vanishes into nothing, but only into what it was
@@ -78,7 +78,8 @@ pub fn vertex_pair(
 
 /// Builds what is stored of the hierarchy of any triangles, with its measured errors.
 ///
-/// Uses rayon's current pool; the result does not depend on the number of threads.
+/// Uses rayon's current pool; the result does not depend on the number of threads. Pairs merge one after the other, so that is
+/// done on one of them. Takes some 60 to 150 µs per source vertex, most on assemblies.
 ///
 /// # Errors
 /// An unusable mesh or option; or [`BuildError::Cancelled`].

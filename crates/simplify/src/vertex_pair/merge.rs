@@ -10,7 +10,7 @@ use crate::queue::Queue;
 use crate::{BuildError, Progress};
 use arrayvec::ArrayVec;
 use glam::Vec3;
-use meshfront_hierarchies::vertex_pair::Grid;
+use meshfront_hierarchies::vertex_pair::{Columns, Grid};
 use meshfront_mesh::TriangleMesh;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -74,7 +74,8 @@ impl Record {
 
 const NONE: u32 = u32::MAX;
 /// More triangles than this are not brought together in one star: what a split costs a viewer grows with it.
-pub(super) const MOST_STAR: usize = 512;
+const MOST_STAR: usize = 512;
+const _: () = assert!(MOST_STAR <= Columns::MAX_STAR);
 
 /// What a triangle that stays must keep.
 #[derive(Clone, Copy)]
