@@ -90,7 +90,7 @@ pub struct Recipe {
 #[derive(clap::ValueEnum, Clone, Copy, PartialEq, Eq)]
 #[value(rename_all = "snake_case")]
 pub enum Choice {
-    /// Right triangles for heights, edge collapse for 2-manifolds, vertex pairs for what is none or has many parts
+    /// Right triangles for heights, edge collapse for 2-manifolds, vertex pairs for what is none and has many flaws or parts
     Auto,
     /// Any mesh, non-manifold ones too; as a mesh, heights as well
     EdgeCollapse,

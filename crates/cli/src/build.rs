@@ -104,11 +104,18 @@ fn best_model(survey: &Survey) -> (Model, String) {
     const LEAST: usize = 4;
     let least = EdgeCollapseOptions::default().base_triangles;
     let flaws = survey.non_manifold_edges + survey.non_manifold_vertices + survey.inconsistent_edges;
-    if survey.components * LEAST > least {
-        let pieces = text::count(survey.components as u64);
-        (Model::VertexPair, format!(", since {pieces} pieces must join to come down to {least} triangles"))
+    let (pieces, many) = (text::count(survey.components as u64), survey.components * LEAST > least);
+    if flaws == 0 && many {
+        let why = format!(
+            ", since it is a 2-manifold; `--model vertex_pair` would join its {pieces} pieces as it gets coarse"
+        );
+        (Model::EdgeCollapse, why)
     } else if flaws == 0 {
         (Model::EdgeCollapse, ", since it is a 2-manifold".to_owned())
+    } else if many {
+        let why =
+            format!(", since it is no 2-manifold, and {pieces} pieces must join to come down to {least} triangles");
+        (Model::VertexPair, why)
     } else if flaws * 1000 > survey.edges {
         let flaws = text::count(flaws as u64);
         let why =

@@ -211,7 +211,8 @@ fn a_build_takes_the_model_that_serves_best_and_says_why() {
     std::fs::write(bench.path("book.off"), book).unwrap();
     says("build book.off -o book.front", &["model vertex_pair, since it is no 2-manifold at 1 edges and vertices"]);
     bench.ok("sample assembly -o many.ply --triangles 1");
-    says("build many.ply -o many.front", &["model vertex_pair, since 200 pieces must join"]);
+    says("build many.ply -o apart.front", &["model edge_collapse, since it is a 2-manifold", "join its 200 pieces"]);
+    says("build many.ply -o many.front --model vertex_pair", &["model vertex_pair;"]);
     assert_eq!(bench.json("info many.front --json")["base_triangles"], 20);
     says("build scan.ply -o pairs.front --pairs geometry-first --metric length", &["vertex_pair, as its options say"]);
     bench
