@@ -1,6 +1,7 @@
 //! Multiresolution models: one module each, with its columns and its implementation of the engine's trait.
 
 mod columns;
+mod corner_lists;
 pub mod edge_collapse;
 mod footprint;
 mod lists;

@@ -163,6 +163,12 @@ impl TriangleBuffers {
         self.triangles[slot as usize] = corners;
         self.changes.triangles.push(slot);
     }
+    /// Changes one corner of a triangle.
+    #[inline]
+    pub(crate) fn set_corner(&mut self, slot: u32, corner: usize, vertex: u32) {
+        self.triangles[slot as usize][corner] = vertex;
+        self.changes.triangles.push(slot);
+    }
     /// Takes a triangle slot back.
     #[inline]
     pub(crate) fn remove_triangle(&mut self, slot: u32) {

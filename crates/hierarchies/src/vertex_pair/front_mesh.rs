@@ -1,29 +1,18 @@
 //! The live mesh of one front: triangle buffers, and for each active node the list of its triangles, of any length.
-//!
-//! A list is sorted by triangle number, the highest first: those are the latest, so that what comes and goes does so
-//! near the head.
 
 use super::{Key, Origin, VertexPair};
-use crate::live::{TriangleBuffers, VertexLook, put};
+use crate::corner_lists::{Corner, CornerLists, NONE};
+use crate::live::{TriangleBuffers, VertexLook};
 use crate::model::LiveMesh;
 use crate::slot_table::SlotTable;
 use meshfront_refine::UpdateId;
-
-/// End of a list.
-const NONE: u32 = u32::MAX;
-
-/// One corner of a live triangle: `4 * triangle slot + corner 0..3`.
-type Corner = u32;
 
 /// A front's live mesh: some 130 bytes per active node with the engine's state, where capacity follows size.
 #[derive(Clone, Debug)]
 pub struct FrontMesh {
     /// What is drawn.
     pub buffers: TriangleBuffers,
-    /// Per vertex slot.
-    nodes: Vec<Node>,
-    /// Per triangle slot.
-    links: Vec<Links>,
+    lists: CornerLists<Node>,
     /// Slot of an active node, by its key.
     slots: SlotTable,
     scratch: Vec<u32>,
@@ -37,24 +26,14 @@ struct Node {
     born: u32,
     /// The places of the leaves below it: from, and up to.
     leaves: [u32; 2],
-    /// Head of its list of corners.
-    first: Corner,
 }
 
 impl Node {
-    const FREE: Node = Node { key: NONE, born: 0, leaves: [0; 2], first: NONE };
+    const FREE: Node = Node { key: NONE, born: 0, leaves: [0; 2] };
 
     fn holds(&self, place: u32) -> bool {
         self.leaves[0] <= place && place < self.leaves[1]
     }
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Links {
-    /// Per corner: next in that corner's node's list.
-    next: [Corner; 3],
-    /// The triangle's number.
-    number: u32,
 }
 
 /// A triangle of a star.
@@ -71,8 +50,7 @@ impl FrontMesh {
     pub(super) fn base(h: &VertexPair) -> FrontMesh {
         let mut front = FrontMesh {
             buffers: TriangleBuffers::for_at_most(h.most()),
-            nodes: vec![],
-            links: vec![],
+            lists: CornerLists::new(),
             slots: SlotTable::new(h.base.positions.len() + 2 * h.splits.len()),
             scratch: vec![],
         };
@@ -90,8 +68,8 @@ impl FrontMesh {
     /// Number and corners of each live triangle, in slot order. A triangle has the same number in all fronts, and so has
     /// a node.
     pub fn numbered_triangles(&self) -> impl Iterator<Item = (u32, [u32; 3])> {
-        let live = self.buffers.triangles.iter().zip(&self.links).filter(|(t, _)| t[0] != t[1]);
-        live.map(|(t, links)| (links.number, t.map(|slot| self.key(slot))))
+        let live = self.buffers.triangles.iter().enumerate().filter(|(_, t)| t[0] != t[1]);
+        live.map(|(slot, t)| (self.lists.number(slot as u32), t.map(|slot| self.key(slot))))
     }
 
     /// The slot of an active node.
@@ -101,44 +79,37 @@ impl FrontMesh {
     }
     #[inline]
     pub(super) fn key(&self, slot: u32) -> Key {
-        self.nodes[slot as usize].key
+        self.lists.who(slot).key
     }
     /// The update that made the node in a slot; `None` for nodes of the base mesh.
     #[inline]
     pub(super) fn maker(&self, slot: u32) -> Option<UpdateId> {
-        self.nodes[slot as usize].born.checked_sub(1).map(UpdateId)
+        self.lists.who(slot).born.checked_sub(1).map(UpdateId)
     }
 
     /// The place of the first leaf below the node in a slot.
     pub(super) fn first_leaf(&self, slot: u32) -> u32 {
-        self.nodes[slot as usize].leaves[0]
+        self.lists.who(slot).leaves[0]
     }
 
     /// The triangles around a slot, the highest number first.
     #[inline]
     pub(super) fn star(&self, slot: u32) -> impl Iterator<Item = StarCorner> {
-        let mut at = self.nodes[slot as usize].first;
-        std::iter::from_fn(move || {
-            if at == NONE {
-                return None;
-            }
-            let (corner, t, k) = (at, at as usize >> 2, at as usize & 3);
-            at = self.links[t].next[k];
-            let triangle = &self.buffers.triangles[t];
-            let after = triangle[if k == 2 { 0 } else { k + 1 }];
-            let before = triangle[if k == 0 { 2 } else { k - 1 }];
-            Some(StarCorner { corner, after, before })
+        self.lists.around(slot).map(|corner| {
+            let (triangle, k) = (&self.buffers.triangles[corner as usize >> 2], corner as usize & 3);
+            let (after, before) = (triangle[if k == 2 { 0 } else { k + 1 }], triangle[if k == 0 { 2 } else { k - 1 }]);
+            StarCorner { corner, after, before }
         })
     }
     /// The number of the triangle of a corner.
     pub(super) fn number(&self, corner: Corner) -> u32 {
-        self.links[corner as usize >> 2].number
+        self.lists.number_of(corner)
     }
 
     pub(super) fn refine(&mut self, h: &VertexPair, m: UpdateId) {
         let split = &h.splits[m.ix()];
         let u = self.slot(m.0).expect("the engine refines only what is legal");
-        let s = self.nodes[u as usize];
+        let s = self.lists.who(u);
         // Whom the new triangles end at, as long as the star is whole.
         let mut others = std::mem::take(&mut self.scratch);
         let leaves = h.triangles[h.added(m).start as usize..h.added(m).end as usize].iter().flatten();
@@ -147,27 +118,21 @@ impl FrontMesh {
         let level = self.buffers.levels[u as usize].saturating_add(1);
         self.slots.clear(m.0 as usize);
         self.settle(u, split.children[0], m.0 + 1);
-        self.nodes[u as usize].leaves[1] = split.middle;
+        self.lists.who_mut(u).leaves[1] = split.middle;
         self.buffers.set_vertex(u, &h.look(Origin::Child(m, 0), level));
         let leaves = [split.middle, s.leaves[1]];
-        let node = Node { key: split.children[1], born: m.0 + 1, leaves, first: NONE };
+        let node = Node { key: split.children[1], born: m.0 + 1, leaves };
         let v = self.new_node(node, &h.look(Origin::Child(m, 1), level));
 
         // The star's list becomes two; both stay in order.
-        let mut ends = [NONE; 2];
-        let mut corner = s.first;
-        self.nodes[u as usize].first = NONE;
-        while corner != NONE {
-            let (t, k) = (corner as usize >> 2, corner as usize & 3);
-            let next = self.links[t].next[k];
-            let on_v = h.triangles[self.links[t].number as usize][k] >= split.middle;
+        let FrontMesh { lists, buffers, .. } = self;
+        lists.divide(u, v, |triangle, corner, number| {
+            let on_v = h.triangles[number as usize][corner] >= split.middle;
             if on_v {
-                self.set_corner(corner, v);
+                buffers.set_corner(triangle, corner, v);
             }
-            self.link(if on_v { v } else { u }, &mut ends[usize::from(on_v)], corner);
-            corner = next;
-        }
-        ends.into_iter().for_each(|end| self.terminate(end));
+            on_v
+        });
 
         let mut other = others.iter();
         for number in h.added(m) {
@@ -194,41 +159,28 @@ impl FrontMesh {
             let star = self.star(slot).map(|t| t.corner).skip_while(|&corner| self.number(corner) >= own.end);
             gone.extend(star.take_while(|&corner| self.number(corner) >= own.start).map(|corner| corner >> 2));
         }
-        gone.sort_unstable_by_key(|&t| std::cmp::Reverse(self.links[t as usize].number));
+        gone.sort_unstable_by_key(|&t| std::cmp::Reverse(self.lists.number(t)));
         gone.dedup();
         for &t in &gone {
             for k in 0..3u32 {
-                self.unlink(self.buffers.triangles[t as usize][k as usize], t << 2 | k);
+                self.lists.unlink(self.buffers.triangles[t as usize][k as usize], t << 2 | k);
             }
-            self.links[t as usize] = Links { next: [NONE; 3], number: 0 };
+            self.lists.remove_triangle(t);
             self.buffers.remove_triangle(t);
         }
         gone.clear();
         self.scratch = gone;
 
-        // Two lists become one.
-        let [mut a, mut b] = [u, v].map(|slot| self.nodes[slot as usize].first);
-        let mut end = NONE;
-        self.nodes[u as usize].first = NONE;
-        while a != NONE || b != NONE {
-            let from_v = a == NONE || (b != NONE && self.number(b) > self.number(a));
-            let from = if from_v { &mut b } else { &mut a };
-            let corner = *from;
-            *from = self.links[corner as usize >> 2].next[corner as usize & 3];
-            if from_v {
-                self.set_corner(corner, u);
-            }
-            self.link(u, &mut end, corner);
-        }
-        self.terminate(end);
+        let FrontMesh { lists, buffers, .. } = self;
+        lists.merge(u, v, |corner| buffers.set_corner(corner >> 2, corner as usize & 3, u));
 
-        let last = self.nodes[v as usize].leaves[1];
+        let last = self.lists.who(v).leaves[1];
         self.slots.clear(split.children[1] as usize);
-        self.nodes[v as usize] = Node::FREE;
+        self.lists.set_vertex(v, Node::FREE, self.buffers.most().vertices);
         self.buffers.remove_vertex(v);
         self.slots.clear(split.children[0] as usize);
         self.settle(u, m.0, h.parent(m).map_or(0, |parent| parent.0 + 1));
-        self.nodes[u as usize].leaves[1] = last;
+        self.lists.who_mut(u).leaves[1] = last;
         let level = match self.buffers.levels[u as usize] {
             u8::MAX => std::iter::successors(h.parent(m), |&p| h.parent(p)).take(u8::MAX as usize).count() as u8,
             level => level - 1,
@@ -241,7 +193,7 @@ impl FrontMesh {
         // A look at a neighbour is cheap, but a star may have thousands.
         const MOST_LOOKS: usize = 24;
         let neighbours = self.star(near).take(MOST_LOOKS).flat_map(|t| [t.after, t.before]);
-        if let Some(slot) = { neighbours }.find(|&slot| self.nodes[slot as usize].holds(place)) {
+        if let Some(slot) = { neighbours }.find(|&slot| self.lists.who(slot).holds(place)) {
             return slot;
         }
         let mut key = h.roots[h.roots.partition_point(|root| root.first_leaf <= place) - 1].key;
@@ -254,61 +206,11 @@ impl FrontMesh {
         }
     }
 
-    // Lists. `link` appends after `end` without writing the terminator; `terminate` writes it.
-
-    #[inline]
-    fn link(&mut self, slot: u32, end: &mut Corner, corner: Corner) {
-        if *end == NONE {
-            self.nodes[slot as usize].first = corner;
-        } else {
-            self.links[*end as usize >> 2].next[*end as usize & 3] = corner;
-        }
-        *end = corner;
-    }
-    #[inline]
-    fn terminate(&mut self, end: Corner) {
-        if end != NONE {
-            self.links[end as usize >> 2].next[end as usize & 3] = NONE;
-        }
-    }
-    /// Puts a corner before the first one whose triangle's number is not greater.
-    fn insert_sorted(&mut self, slot: u32, corner: Corner) {
-        let number = self.number(corner);
-        let mut previous = NONE;
-        let mut at = self.nodes[slot as usize].first;
-        while at != NONE && self.number(at) > number {
-            previous = at;
-            at = self.links[at as usize >> 2].next[at as usize & 3];
-        }
-        self.links[corner as usize >> 2].next[corner as usize & 3] = at;
-        if previous == NONE {
-            self.nodes[slot as usize].first = corner;
-        } else {
-            self.links[previous as usize >> 2].next[previous as usize & 3] = corner;
-        }
-    }
-    fn unlink(&mut self, slot: u32, corner: Corner) {
-        let after = self.links[corner as usize >> 2].next[corner as usize & 3];
-        let mut at = self.nodes[slot as usize].first;
-        if at == corner {
-            self.nodes[slot as usize].first = after;
-            return;
-        }
-        loop {
-            let next = &mut self.links[at as usize >> 2].next[at as usize & 3];
-            if *next == corner {
-                *next = after;
-                return;
-            }
-            at = *next;
-        }
-    }
-
     // Slots.
 
     fn new_node(&mut self, node: Node, look: &VertexLook) -> u32 {
         let slot = self.buffers.add_vertex(look);
-        put(&mut self.nodes, slot, node, self.buffers.most().vertices);
+        self.lists.set_vertex(slot, node, self.buffers.most().vertices);
         self.slots.set(node.key as usize, slot);
         slot
     }
@@ -316,19 +218,14 @@ impl FrontMesh {
     #[inline]
     fn settle(&mut self, slot: u32, key: Key, born: u32) {
         self.slots.set(key as usize, slot);
-        let node = &mut self.nodes[slot as usize];
+        let node = self.lists.who_mut(slot);
         (node.key, node.born) = (key, born);
-    }
-    #[inline]
-    fn set_corner(&mut self, corner: Corner, vertex: u32) {
-        self.buffers.triangles[corner as usize >> 2][corner as usize & 3] = vertex;
-        self.buffers.changes.triangles.push(corner >> 2);
     }
     fn new_triangle(&mut self, number: u32, corners: [u32; 3]) {
         let slot = self.buffers.add_triangle(corners);
-        put(&mut self.links, slot, Links { next: [NONE; 3], number }, self.buffers.most().triangles);
+        self.lists.set_triangle(slot, number, self.buffers.most().triangles);
         for k in 0..3 {
-            self.insert_sorted(corners[k], slot << 2 | k as u32);
+            self.lists.insert(corners[k], slot << 2 | k as u32);
         }
     }
 }
@@ -341,9 +238,7 @@ impl LiveMesh for FrontMesh {
         &mut self.buffers
     }
     fn memory_bytes(&self) -> usize {
-        fn of<T>(v: &Vec<T>) -> usize {
-            v.capacity() * size_of::<T>()
-        }
-        self.buffers.memory_bytes() + of(&self.nodes) + of(&self.links) + of(&self.scratch) + self.slots.memory_bytes()
+        let scratch = self.scratch.capacity() * size_of::<u32>();
+        self.buffers.memory_bytes() + self.lists.memory_bytes() + scratch + self.slots.memory_bytes()
     }
 }
