@@ -1,6 +1,7 @@
 //! The criterion: how wrong an update's coarse side looks, and for how long that answer holds.
 
 use crate::Footprint;
+use arrayvec::ArrayVec;
 use glam::{DVec3, Vec3};
 
 /// How many pixels wrong the front looks while an update is not applied. Object-safe.
@@ -155,23 +156,54 @@ impl Pose {
     /// travel. Along a path travels add up, so a function of the distance to a point, or to a plane, with Lipschitz
     /// constant 1 has a slack of its distance from zero; a function of where the point is, a quarter of that.
     pub fn travel(&self, before: &Pose, center: Vec3, radius: f32) -> Option<f64> {
+        self.travels(before).map(|travels| travels.seen_from(center, radius))
+    }
+
+    /// The same for many places.
+    pub(crate) fn travels(&self, before: &Pose) -> Option<Travels> {
         if (self.fingerprint, self.point_count, self.plane_count)
             != (before.fingerprint, before.point_count, before.plane_count)
         {
             return None;
         }
-        let (center, radius) = (center.as_dvec3(), radius as f64);
-        let mut far = 0f64;
+        let mut travels = Travels { points: ArrayVec::new(), planes: ArrayVec::new() };
         for (now, then) in self.points.iter().zip(&before.points).take(self.point_count as usize) {
             let (now, then) = (now.as_dvec3(), then.as_dvec3());
-            far = far.max(approach(then, now - then, center, radius));
+            travels.points.push([then, now - then]);
         }
         for (now, then) in self.planes.iter().zip(&before.planes).take(self.plane_count as usize) {
             let (n, m) = (now.normal.as_dvec3(), then.normal.as_dvec3());
-            let at_center = n.dot(center - now.point.as_dvec3()) - m.dot(center - then.point.as_dvec3());
-            far = far.max(at_center.abs() + radius * (n - m).length());
+            let offset = m.dot(then.point.as_dvec3()) - n.dot(now.point.as_dvec3());
+            travels.planes.push((n - m, offset, (n - m).length()));
         }
-        far.is_finite().then_some(far * (1.0 + 1e-9))
+        let numbers = travels.points.iter().flatten().chain(travels.planes.iter().map(|(turn, ..)| turn));
+        (numbers.fold(0.0, |sum, v| sum + v.length_squared()).is_finite()
+            && travels.planes.iter().all(|(_, offset, _)| offset.is_finite()))
+        .then_some(travels)
+    }
+}
+
+/// From one pose to another.
+pub(crate) struct Travels {
+    /// Where each point was, and its step.
+    points: ArrayVec<[DVec3; 2], { Pose::POINTS }>,
+    /// By how much the distance from each plane changes: a part that depends on the place, one that does not, and the length of the
+    /// first.
+    planes: ArrayVec<(DVec3, f64, f64), { Pose::PLANES }>,
+}
+
+impl Travels {
+    /// See [`Pose::travel`].
+    pub fn seen_from(&self, center: Vec3, radius: f32) -> f64 {
+        let (center, radius) = (center.as_dvec3(), radius as f64);
+        let mut far = 0f64;
+        for &[then, step] in &self.points {
+            far = far.max(approach(then, step, center, radius));
+        }
+        for &(turn, offset, length) in &self.planes {
+            far = far.max((turn.dot(center) + offset).abs() + radius * length);
+        }
+        far * (1.0 + 1e-9)
     }
 }
 

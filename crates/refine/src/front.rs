@@ -31,7 +31,7 @@ use std::collections::{BinaryHeap, HashMap};
 
 /// One viewer's state: the closed set S, the live mesh Γ_S, and scratch.
 ///
-/// Apart from the mesh it holds three bits per update of the hierarchy, some 80 kB of wheels, and a calendar entry of
+/// Apart from the mesh it holds three bits per update of the hierarchy, some 130 kB of wheels, and a calendar entry of
 /// 4 bytes (some 8 as they are packed) for each open decision: one for every eight active vertices of a scan.
 pub struct Front<H: MultiTessellation> {
     mesh: H::Mesh,
@@ -332,8 +332,9 @@ impl<H: MultiTessellation> Front<H> {
         }
         self.view = self.view.wrapping_add(1);
         let before = before.filter(|_| same_tolerance)?;
+        let travels = pose.travels(&before)?;
         for cell in 0..self.grid.len() {
-            let travel = pose.travel(&before, self.grid.center(cell), self.grid.radius)?;
+            let travel = travels.seen_from(self.grid.center(cell), self.grid.radius);
             self.calendar.advance(cell, (travel * self.ticks_per_unit).ceil().min(1e15) as u64);
         }
         Some(true)
@@ -735,8 +736,8 @@ struct Grid {
 }
 
 impl Grid {
-    /// More cells tell motion apart better, but each costs a wheel and some 0.1 µs a frame.
-    const MOST: usize = 64;
+    /// More cells tell motion apart better, but each costs a wheel and some 0.05 µs a frame.
+    const MOST: usize = 100;
 
     fn new<H: MultiTessellation>(h: &H) -> Grid {
         let (min, max) = h.centers();
@@ -751,7 +752,7 @@ impl Grid {
         let fits = |g: &Grid| g.side > 0.0 && g.side.is_finite() && g.len() <= Grid::MOST;
         // Nothing, or all of it in one place.
         let point = || Grid { min: min.min(max), extent: 0.0, side: 1.0, per_side: 1.0, counts: [1; 3], radius: 0.0 };
-        (1..=8).rev().map(|n| cut(n as f32)).find(fits).unwrap_or_else(point)
+        (1..=12).rev().map(|n| cut(n as f32)).find(fits).unwrap_or_else(point)
     }
     fn len(&self) -> usize {
         self.counts.iter().map(|&n| n as usize).product()
