@@ -188,7 +188,7 @@ impl Session {
         self.engine_ms = now() - start;
     }
 
-    /// Flies once around a model with a front of its own, at one pixel without limits; see [`FlyBy`].
+    /// Flies once around a model with a front of its own, at one pixel without limits.
     ///
     /// # Errors
     /// A `RangeError` where no such model is open.
