@@ -4,6 +4,7 @@ mod common;
 
 use common::Random;
 use common::checksums::repair;
+use common::damage::{is_checked, unnoticed};
 use glam::DVec2;
 use meshfront_format::right_triangles::{decode, encode, inspect};
 use meshfront_format::{EncodeError, ReadError};
@@ -77,14 +78,7 @@ fn smooth_ground_is_small_and_pages_are_many() {
 #[test]
 fn every_shorter_length_and_every_changed_byte_is_an_error() {
     let file = encode(&columns(9, 7, STEPS, 20, 3)).unwrap();
-    for length in 0..file.len() {
-        assert!(decode(&file[..length], "cut.front").is_err() && inspect(&file[..length], "cut.front").is_err());
-    }
-    for at in 0..file.len() {
-        let mut changed = file.clone();
-        changed[at] ^= 0x41;
-        assert!(decode(&changed, "changed.front").is_err(), "byte {at}");
-    }
+    is_checked(&file, |bytes, name| decode(bytes, name).is_ok(), |bytes, name| inspect(bytes, name).is_ok());
 }
 
 /// Damage that checksums do not see: an error or columns that can be written again, never a panic.
@@ -93,12 +87,7 @@ fn no_damage_panics() {
     let file = encode(&columns(9, 7, None, 20, 3)).unwrap();
     let mut random = Random(9);
     for _ in 0..20_000 {
-        let mut changed = file.clone();
-        for _ in 0..1 + random.below(3) {
-            let at = random.below(file.len() as u64) as usize;
-            changed[at] = random.bits() as u8;
-        }
-        repair(&mut changed);
+        let changed = unnoticed(&file, &mut random);
         let _ = inspect(&changed, "x");
         if let Ok(columns) = decode(&changed, "x") {
             assert!(same(&decode(&encode(&columns).unwrap(), "again").unwrap(), &columns));

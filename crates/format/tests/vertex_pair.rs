@@ -2,8 +2,9 @@
 
 mod common;
 
-use common::Random;
 use common::checksums::repair;
+use common::damage::{is_checked, unnoticed};
+use common::{Random, painted};
 use meshfront_conformance::merger::{Merging, merge};
 use meshfront_format::vertex_pair::{decode, encode, inspect};
 use meshfront_format::{EncodeError, round_error_up};
@@ -22,15 +23,6 @@ static ALONE: Mutex<()> = Mutex::new(());
 
 fn columns(mesh: &TriangleMesh, bits: Option<u32>, far: usize) -> Columns {
     merge(mesh, &Merging { bits, base_triangles: 4, far, seed: 3 })
-}
-
-/// With normals and colours that differ from vertex to vertex.
-fn painted(triangles: usize) -> TriangleMesh {
-    let mut mesh = sample::knot(triangles);
-    mesh.vertex.normals = mesh.positions.iter().map(|p| p.normalize_or(glam::Vec3::X)).collect();
-    mesh.vertex.colors =
-        (0..mesh.positions.len() as u32).map(|v| v.wrapping_mul(2_654_435_761).to_le_bytes()).collect();
-    mesh
 }
 
 #[test]
@@ -63,14 +55,7 @@ fn what_is_written_is_what_is_read() {
 fn every_shorter_length_and_every_changed_byte_is_an_error() {
     let _alone = ALONE.lock();
     let file = encode(&columns(&painted(200), Some(12), 5)).unwrap();
-    for length in 0..file.len() {
-        assert!(decode(&file[..length], "cut.front").is_err() && inspect(&file[..length], "cut.front").is_err());
-    }
-    for at in 0..file.len() {
-        let mut changed = file.clone();
-        changed[at] ^= 0x41;
-        assert!(decode(&changed, "changed.front").is_err(), "byte {at}");
-    }
+    is_checked(&file, |bytes, name| decode(bytes, name).is_ok(), |bytes, name| inspect(bytes, name).is_ok());
 }
 
 /// Damage that checksums do not see: an error, or columns that may or may not be a hierarchy; never a panic, nor much
@@ -82,12 +67,7 @@ fn no_damage_panics_nor_takes_memory() {
     let mut random = Random(9);
     let (mut read, mut sound) = (0, 0);
     for _ in 0..6_000 {
-        let mut changed = file.clone();
-        for _ in 0..1 + random.below(3) {
-            let at = random.below(file.len() as u64) as usize;
-            changed[at] = random.bits() as u8;
-        }
-        repair(&mut changed);
+        let changed = unnoticed(&file, &mut random);
         let _ = inspect(&changed, "x");
         MEMORY.reset_peak_usage();
         let before = MEMORY.current_usage();

@@ -2,8 +2,8 @@
 
 mod common;
 
-use common::Random;
-use common::checksums::repair;
+use common::damage::{is_checked, unnoticed};
+use common::{Random, painted};
 use meshfront_format::vertex_removal::{decode, encode, inspect};
 use meshfront_format::{EncodeError, round_error_up};
 use meshfront_hierarchies::VertexRemoval;
@@ -14,15 +14,6 @@ use meshfront_simplify::{VertexRemovalOptions, vertex_removal_columns};
 fn columns(mesh: &TriangleMesh, bits: Option<u32>) -> Columns {
     let options = VertexRemovalOptions { bits, base_triangles: 40, connectivity: Connectivity::default() };
     vertex_removal_columns(mesh, &options, &()).unwrap()
-}
-
-/// With normals and colours that differ from vertex to vertex.
-fn painted(triangles: usize) -> TriangleMesh {
-    let mut mesh = sample::knot(triangles);
-    mesh.vertex.normals = mesh.positions.iter().map(|p| p.normalize_or(glam::Vec3::X)).collect();
-    mesh.vertex.colors =
-        (0..mesh.positions.len() as u32).map(|v| v.wrapping_mul(2_654_435_761).to_le_bytes()).collect();
-    mesh
 }
 
 #[test]
@@ -73,18 +64,8 @@ fn triangulations_are_coded_as_asked() {
 fn every_shorter_length_and_every_changed_byte_is_an_error() {
     let columns = columns(&painted(300), Some(12));
     for connectivity in [Connectivity::Turned, Connectivity::Ears] {
-        is_checked(&encode(&Columns { connectivity, ..columns.clone() }).unwrap());
-    }
-}
-
-fn is_checked(file: &[u8]) {
-    for length in 0..file.len() {
-        assert!(decode(&file[..length], "cut.front").is_err() && inspect(&file[..length], "cut.front").is_err());
-    }
-    for at in 0..file.len() {
-        let mut changed = file.to_vec();
-        changed[at] ^= 0x41;
-        assert!(decode(&changed, "changed.front").is_err(), "byte {at}");
+        let file = encode(&Columns { connectivity, ..columns.clone() }).unwrap();
+        is_checked(&file, |bytes, name| decode(bytes, name).is_ok(), |bytes, name| inspect(bytes, name).is_ok());
     }
 }
 
@@ -97,12 +78,7 @@ fn no_damage_panics() {
     let mut read = 0;
     for i in 0..24_000 {
         let file = &files[i % files.len()];
-        let mut changed = file.clone();
-        for _ in 0..1 + random.below(3) {
-            let at = random.below(file.len() as u64) as usize;
-            changed[at] = random.bits() as u8;
-        }
-        repair(&mut changed);
+        let changed = unnoticed(file, &mut random);
         let _ = inspect(&changed, "x");
         if let Ok(columns) = decode(&changed, "x") {
             read += 1;

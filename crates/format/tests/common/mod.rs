@@ -3,12 +3,13 @@
 #![allow(dead_code)]
 
 pub mod checksums;
+pub mod damage;
 
 use glam::Vec3;
 use meshfront_format::round_error_up;
 use meshfront_hierarchies::SourceCounts;
 use meshfront_hierarchies::edge_collapse::{AddedTriangle, Columns, ExplicitSplit, Grid, Oct};
-use meshfront_mesh::{Bounds, TriangleMesh, VertexId};
+use meshfront_mesh::{Bounds, TriangleMesh, VertexId, sample};
 use meshfront_refine::UpdateId;
 
 /// A small generator of its own, so that a test's input never changes.
@@ -36,6 +37,15 @@ impl Random {
             }
         }
     }
+}
+
+/// With normals and colours that differ from vertex to vertex.
+pub fn painted(triangles: usize) -> TriangleMesh {
+    let mut mesh = sample::knot(triangles);
+    mesh.vertex.normals = mesh.positions.iter().map(|p| p.normalize_or(Vec3::X)).collect();
+    mesh.vertex.colors =
+        (0..mesh.positions.len() as u32).map(|v| v.wrapping_mul(2_654_435_761).to_le_bytes()).collect();
+    mesh
 }
 
 /// What columns to make.

@@ -200,9 +200,9 @@ pub fn adapt_together(members: &mut [&mut dyn Member], r: &Request) {
         for i in 0..members.len() {
             // To each of those that are left the same share; the last one's is all that is left.
             let left = members.len() - i;
-            let limit = if left > 1 { run.timer.begin_phase(1.0 / left as f32) } else { 0 };
+            let limit = (left > 1).then(|| run.timer.begin_phase(1.0 / left as f32));
             members[i].contract(&mut run);
-            if left > 1 {
+            if let Some(limit) = limit {
                 run.timer.end_phase(limit);
             }
         }
