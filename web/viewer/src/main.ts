@@ -246,7 +246,8 @@ function frame(): void {
     renderer.render(scene, camera);
     if (now) panel.show(now);
   }
-  if (now && (asked.frozen || budget?.settled) && !moved && !dirty) {
+  // Whether all is settled takes a look at every view: only where someone wants to know.
+  if (waiting.length > 0 && now && (asked.frozen || budget?.settled) && !moved && !dirty) {
     for (const resolve of waiting) resolve();
     waiting = [];
   }
