@@ -1,28 +1,43 @@
-import { MeshfrontClient, MeshfrontError, type FrameStats, type FrameUpdate, type View } from "@meshfront/core";
+import { MeshfrontClient, MeshfrontError, type FrameStats, type View, type WorkerPort } from "@meshfront/core";
+import type { Client, Frame, Shade, Stats } from "./contract.js";
 import { sameView } from "./view.js";
+
+/** What an object wants its front to be. */
+export interface Wanted {
+  /** From where it is looked at; the finest counts everywhere. Never empty. */
+  views: View[];
+  /** The column to colour by. */
+  shade: Shade | undefined;
+}
 
 /** What a budget asks of an object that shares it. */
 export interface Member {
   /** The number of its model, once that is open. */
   readonly model: number | undefined;
-  /** Where its front is to be; `undefined`: as it is. */
-  wantedView(): View | undefined;
-  /** What its last answer said, and for which view. */
-  readonly last: { view: View; stats: FrameStats } | undefined;
-  apply(frame: FrameUpdate, view: View): void;
+  /** What its front is to be; `undefined`: as it is. */
+  wanted(): Wanted | undefined;
+  /** What its last answer said, and to what. */
+  readonly last: { wanted: Wanted; stats: Stats } | undefined;
+  /** Bytes of its buffers. */
+  readonly bufferBytes: number;
+  apply(frame: Frame, wanted: Wanted): void;
   fail(error: MeshfrontError): void;
 }
 
-/** How a `MeshfrontBudget` starts. Both may be changed later. */
+/** How a `MeshfrontBudget` starts. All but the worker may be changed later. */
 export interface BudgetOptions {
   /** The most triangles that all fronts together may hold; no limit by default. */
   maxTriangles?: number;
+  /** The most bytes that all fronts together may take: in the engine and in buffers. No limit by default. */
+  maxBytes?: number;
   /** Time in the worker per update, milliseconds; 6 by default. */
   deadlineMs?: number;
+  /** Starts the worker; by default the one of `@meshfront/core`. */
+  worker?: () => WorkerPort;
 }
 
 /**
- * One worker, one triangle budget and one deadline for several objects: what looks worst in any of them comes first.
+ * One worker, one budget and one deadline for several objects: what looks worst in any of them comes first.
  *
  * ```ts
  * const budget = new MeshfrontBudget({ maxTriangles: 1e6 });
@@ -33,30 +48,39 @@ export interface BudgetOptions {
  */
 export class MeshfrontBudget {
   maxTriangles: number;
+  maxBytes: number;
   deadlineMs: number;
   /** The line to the worker, for what this class does not offer. */
-  readonly client = new MeshfrontClient();
+  readonly client: MeshfrontClient;
 
   private readonly members = new Set<Member>();
-  private asked: { members: Member[]; maxTriangles: number } | undefined;
+  private asked: { members: Member[]; maxTriangles: number; maxBytes: number } | undefined;
   private inFlight = false;
   private broken = false;
 
   constructor(options: BudgetOptions = {}) {
     this.maxTriangles = options.maxTriangles ?? Infinity;
+    this.maxBytes = options.maxBytes ?? Infinity;
     this.deadlineMs = options.deadlineMs ?? 6;
+    this.client = new MeshfrontClient(options.worker);
   }
 
-  /** Whether every front is all that its camera asks for, as far as the budget allows. */
+  /** Whether every front is all that its cameras ask for, as far as the budget allows. */
   get settled(): boolean {
-    return !this.inFlight && this.isSettled(this.views());
+    return !this.inFlight && this.isSettled(this.jobs());
   }
 
   /** Asks for the fronts of the objects' present views, where there is something to ask for. */
   update(): void {
     if (this.inFlight || this.broken) return;
-    const views = this.views();
-    if (views.length > 0 && !this.isSettled(views)) void this.adapt(views);
+    const jobs = this.jobs();
+    if (jobs.length > 0 && !this.isSettled(jobs)) void this.adapt(jobs);
+  }
+
+  /** Bytes: of the engine, hierarchies and fronts of all models included; and of the buffers of all objects. */
+  async memory(): Promise<{ engineBytes: number; bufferBytes: number }> {
+    const engineBytes = (await (this.client as Client).memory?.()) ?? 0;
+    return { engineBytes, bufferBytes: [...this.members].reduce((sum, { bufferBytes }) => sum + bufferBytes, 0) };
   }
 
   /** Ends the worker. */
@@ -71,35 +95,38 @@ export class MeshfrontBudget {
   }
   /** @internal */
   leave(member: Member): void {
-    this.members.delete(member);
+    if (!this.members.delete(member)) return;
     if (member.model !== undefined) this.client.close(member.model);
     // There may be room for the others now.
     this.asked = undefined;
   }
 
-  private views(): { member: Member; model: number; view: View }[] {
+  private jobs(): Job[] {
     return [...this.members].flatMap((member) => {
-      const view = member.model === undefined ? undefined : member.wantedView();
-      return view ? [{ member, model: member.model!, view }] : [];
+      const wanted = member.model === undefined ? undefined : member.wanted();
+      return wanted ? [{ member, model: member.model!, wanted }] : [];
     });
   }
 
-  private isSettled(views: { member: Member; view: View }[]): boolean {
+  private isSettled(jobs: Job[]): boolean {
     const { asked } = this;
-    if (asked?.maxTriangles !== this.maxTriangles || asked.members.length !== views.length) return false;
-    return views.every(({ member, view }, i) =>
-      asked.members[i] === member && member.last?.stats.settled && sameView(member.last.view, view));
+    if (asked?.maxTriangles !== this.maxTriangles || asked.maxBytes !== this.maxBytes) return false;
+    if (asked.members.length !== jobs.length) return false;
+    return jobs.every(({ member, wanted }, i) =>
+      asked.members[i] === member && member.last?.stats.settled && sameWanted(member.last.wanted, wanted));
   }
 
-  private async adapt(views: { member: Member; model: number; view: View }[]): Promise<void> {
+  private async adapt(jobs: Job[]): Promise<void> {
     this.inFlight = true;
-    const { maxTriangles, deadlineMs } = this;
+    const { maxTriangles, maxBytes, deadlineMs } = this;
+    const limits = { maxTriangles, maxBytes, deadlineMs };
     try {
-      const frames = await this.client.adapt(views.map(({ model, view }) => ({ model, view })), { maxTriangles, deadlineMs });
-      this.asked = { members: views.map(({ member }) => member), maxTriangles };
+      const views = jobs.map(({ model, wanted: { views, shade } }) => ({ model, view: views[0]!, views, ...(shade ? { shade } : {}) }));
+      const frames = await this.client.adapt(views, limits);
+      this.asked = { members: jobs.map(({ member }) => member), maxTriangles, maxBytes };
       frames?.forEach((frame, i) => {
-        const { member, view } = views[i]!;
-        if (this.members.has(member)) member.apply(frame, view);
+        const { member, wanted } = jobs[i]!;
+        if (this.members.has(member)) member.apply(frame, wanted);
       });
     } catch (thrown) {
       this.broken = true;
@@ -108,8 +135,19 @@ export class MeshfrontBudget {
       this.inFlight = false;
     }
     // Drawing may be slower than the engine: the worker need not wait for the next frame to go on.
-    if (views.some(({ member }) => member.last?.stats.settled === false)) this.update();
+    if (jobs.some(({ member }) => member.last?.stats.settled === false)) this.update();
   }
+}
+
+interface Job {
+  member: Member;
+  model: number;
+  wanted: Wanted;
+}
+
+/** Whether two fronts would be the same. */
+export function sameWanted(a: Wanted, b: Wanted): boolean {
+  return a.shade === b.shade && sameView(a.views, b.views);
 }
 
 /** The statistics of several fronts as if they were one. */

@@ -1,5 +1,6 @@
-import { applyRanges, type FrameUpdate, type ModelInfo } from "@meshfront/core";
-import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Sphere, Vector3 } from "three";
+import { applyRanges, type Vec3 } from "@meshfront/core";
+import { Box3, BufferAttribute, BufferGeometry, DynamicDrawUsage, Sphere, Vector3 } from "three";
+import type { BaseMesh, Frame } from "./contract.js";
 
 type Column = Float32Array | Int16Array | Uint8Array | Uint16Array | Uint32Array;
 
@@ -14,46 +15,104 @@ const MOST_RANGES = 4096;
 
 /**
  * A geometry whose attributes follow a front: `position`, `normal` (16-bit, normalized, padded to four numbers),
- * `color` (where the model has colours; linear), `level` (splits above the base mesh), and the index.
+ * `level` (splits above the base mesh), where the model has colours `color` (linear), where a column is asked for `shade`;
+ * and the index.
  *
- * Free triangle slots are degenerate, so the whole range is drawn. The bounding sphere is that of the model.
+ * It has nothing in it, but its attributes all the same: three.js compiles a material's program for the attributes that it
+ * meets first, and shades a mesh flat that had no normals then. Free triangle slots are degenerate, so the whole
+ * range is drawn.
  */
-export function frontGeometry(info: ModelInfo): BufferGeometry {
-  const geometry = emptyGeometry();
-  if (info.hasColors) geometry.setAttribute("color", new BufferAttribute(new Uint16Array(), 4, true));
-  const [min, max] = [new Vector3(...info.min), new Vector3(...info.max)];
-  // Vertices of a coarse front may lie outside of the box of the source, by no more than they are wrong.
-  const center = min.clone().add(max).multiplyScalar(0.5);
-  geometry.boundingSphere = new Sphere(center, 1.05 * min.distanceTo(max) * 0.5);
-  return geometry;
-}
-
-/**
- * A geometry with nothing in it that has its attributes all the same: three.js compiles a material's program for the
- * attributes that it meets first, and shades a mesh flat that had no normals then.
- */
-export function emptyGeometry(): BufferGeometry {
+export function frontGeometry(): BufferGeometry {
   const geometry = new BufferGeometry();
   geometry.setAttribute("position", new BufferAttribute(new Float32Array(), 3));
   geometry.setAttribute("normal", new BufferAttribute(new Int16Array(), 4, true));
   geometry.setAttribute("level", new BufferAttribute(new Uint8Array(), 1));
   geometry.setIndex(new BufferAttribute(new Uint32Array(), 1));
+  geometry.setDrawRange(0, 0);
+  setBounds(geometry, new Box3(), 0);
   return geometry;
 }
 
-/** Writes what changed into the attributes and marks just that for upload; makes them larger where they are too short. */
-export function applyFrame(geometry: BufferGeometry, frame: FrameUpdate): void {
+/** What is known of a model before the first frame. */
+export interface Outline {
+  min: Vec3;
+  max: Vec3;
+  hasColors: boolean;
+  /** How far the base mesh may be from the surface, mesh units. */
+  baseError?: number;
+}
+
+/** Says how large the model is: its box is that of the source, its sphere holds every front. */
+export function outline(geometry: BufferGeometry, { min, max, hasColors, baseError }: Outline): void {
+  const box = new Box3(new Vector3(...min), new Vector3(...max));
+  if (hasColors && !geometry.hasAttribute("color")) {
+    const { count } = attribute(geometry, "position");
+    geometry.setAttribute("color", column(new Uint16Array(count * 4), 4, true));
+  }
+  // Vertices of a coarse front may lie outside of the box of the source, by no more than they are wrong.
+  setBounds(geometry, box, baseError ?? 0.025 * box.min.distanceTo(box.max));
+}
+
+function setBounds(geometry: BufferGeometry, box: Box3, margin: number): void {
+  geometry.boundingBox = box;
+  geometry.boundingSphere = box.getBoundingSphere(new Sphere());
+  geometry.boundingSphere.radius += margin;
+}
+
+/** Shows the base mesh, until the first frame takes its place. */
+export function applyBase(geometry: BufferGeometry, base: BaseMesh): void {
+  const [vertices, triangles] = [base.positions.length / 3, base.triangles.length / 3];
+  outline(geometry, { ...base, hasColors: base.colors.length > 0 });
+  applyFrame(geometry, {
+    vertexSlots: vertices,
+    triangleSlots: triangles,
+    vertexCapacity: vertices,
+    triangleCapacity: triangles,
+    vertices: { ...base, ranges: Uint32Array.of(0, vertices), levels: new Uint8Array(vertices) },
+    triangles: { ranges: Uint32Array.of(0, triangles), corners: base.triangles },
+  });
+}
+
+/** Writes what changed into the attributes and marks just that for upload; makes them as long as the frame says. */
+export function applyFrame(geometry: BufferGeometry, frame: Omit<Frame, "stats">): void {
   const { vertices, triangles } = frame;
   reserve(geometry, frame);
   write(attribute(geometry, "position"), vertices.ranges, vertices.positions);
   write(attribute(geometry, "normal"), vertices.ranges, vertices.normals);
   write(attribute(geometry, "level"), vertices.ranges, vertices.levels);
   if (geometry.hasAttribute("color")) {
-    const linear = Uint16Array.from(vertices.colors, (byte, i) => (i % 4 === 3 ? byte * 257 : LINEAR[byte]!));
-    write(attribute(geometry, "color"), vertices.ranges, linear);
+    write(attribute(geometry, "color"), vertices.ranges, linear(vertices.colors));
   }
   write(geometry.index!, triangles.ranges, triangles.corners, 3);
   geometry.setDrawRange(0, frame.triangleSlots * 3);
+  if (frame.shade) {
+    const { values } = frame.shade;
+    if (!geometry.hasAttribute("shade")) {
+      geometry.setAttribute("shade", column(new Float32Array(attribute(geometry, "position").count), 1, false));
+    }
+    const whole = values.length > 0 ? Uint32Array.of(0, values.length) : new Uint32Array();
+    write(attribute(geometry, "shade"), whole, values);
+  }
+}
+
+/** Takes the column to colour by away. */
+export function dropShade(geometry: BufferGeometry): void {
+  if (!geometry.hasAttribute("shade")) return;
+  // Frees the buffers on the graphics card; the others are made again when they are next drawn.
+  geometry.dispose();
+  geometry.deleteAttribute("shade");
+}
+
+/** Bytes of all attributes and the index: as much on the graphics card as in memory. */
+export function bufferBytes(geometry: BufferGeometry): number {
+  const columns = [...Object.values(geometry.attributes), ...(geometry.index ? [geometry.index] : [])] as BufferAttribute[];
+  return columns.reduce((sum, { array }) => sum + array.byteLength, 0);
+}
+
+function linear(colors: Uint8Array): Uint16Array {
+  const all = new Uint16Array(colors.length);
+  for (let i = 0; i < colors.length; i++) all[i] = i % 4 === 3 ? colors[i]! * 257 : LINEAR[colors[i]!]!;
+  return all;
 }
 
 function attribute(geometry: BufferGeometry, name: string): BufferAttribute {
@@ -74,18 +133,21 @@ function write(target: BufferAttribute, ranges: Uint32Array, packed: Column, slo
   target.needsUpdate = true;
 }
 
-function reserve(geometry: BufferGeometry, { vertexSlots, triangleSlots }: FrameUpdate): void {
-  const slots = attribute(geometry, "position").count;
-  const index = geometry.index!;
-  if (slots >= vertexSlots && index.count >= triangleSlots * 3) return;
+/** A frame whose capacity is another holds every slot where that is less than before. */
+function reserve(geometry: BufferGeometry, frame: Omit<Frame, "stats">): void {
+  const { vertexSlots, triangleSlots } = frame;
+  const [vertices, indices] = [attribute(geometry, "position").count, geometry.index!.count];
+  const vertexCapacity = frame.vertexCapacity ?? (vertices >= vertexSlots ? vertices : grown(vertexSlots));
+  const indexCapacity = 3 * (frame.triangleCapacity ?? (indices >= 3 * triangleSlots ? indices / 3 : grown(triangleSlots)));
+  if (vertices === vertexCapacity && indices === indexCapacity) return;
   // Frees the buffers on the graphics card; those of the new attributes are made when they are first drawn.
   geometry.dispose();
-  if (slots < vertexSlots) {
+  if (vertices !== vertexCapacity) {
     for (const name of Object.keys(geometry.attributes)) {
-      geometry.setAttribute(name, longer(attribute(geometry, name), grown(vertexSlots)));
+      geometry.setAttribute(name, resized(attribute(geometry, name), vertexCapacity));
     }
   }
-  if (index.count < triangleSlots * 3) geometry.setIndex(longer(index, grown(triangleSlots) * 3));
+  if (indices !== indexCapacity) geometry.setIndex(resized(geometry.index!, indexCapacity));
 }
 
 /** Half as much again: fronts grow over many frames, and every growth uploads everything. */
@@ -93,9 +155,15 @@ function grown(slots: number): number {
   return Math.ceil(slots * 1.5);
 }
 
-function longer(old: BufferAttribute, count: number): BufferAttribute {
+function resized(old: BufferAttribute, count: number): BufferAttribute {
   const Array = old.array.constructor as new (length: number) => Column;
   const array = new Array(count * old.itemSize);
-  array.set(old.array);
-  return new BufferAttribute(array, old.itemSize, old.normalized).setUsage(DynamicDrawUsage);
+  array.set(old.array.subarray(0, array.length));
+  return column(array, old.itemSize, old.normalized);
+}
+
+function column(array: Column, itemSize: number, normalized: boolean): BufferAttribute {
+  const attribute = new BufferAttribute(array, itemSize, normalized).setUsage(DynamicDrawUsage);
+  // A buffer that is made anew has everything: what was marked until then need not be uploaded again.
+  return attribute.onUpload(() => attribute.clearUpdateRanges());
 }

@@ -1,8 +1,19 @@
-import type { FrameUpdate, ModelInfo } from "@meshfront/core";
+import type { FrameUpdate } from "@meshfront/core";
+import type { BufferAttribute, BufferGeometry } from "three";
 import { expect, test, vi } from "vitest";
-import { applyFrame, frontGeometry } from "../src/buffers.js";
+import { applyBase, applyFrame, bufferBytes, dropShade, frontGeometry, outline, type Outline } from "../src/buffers.js";
 
-const INFO = { min: [-1, -2, -3], max: [1, 2, 3] } as unknown as ModelInfo;
+const BOUNDS: Outline = { min: [-1, -2, -3], max: [1, 2, 3], hasColors: false };
+
+function geometryOf(outlined: Outline = BOUNDS): BufferGeometry {
+  const geometry = frontGeometry();
+  outline(geometry, outlined);
+  return geometry;
+}
+/** As three.js does when a buffer is made anew. */
+function upload(geometry: BufferGeometry): void {
+  for (const column of [...Object.values(geometry.attributes), geometry.index!] as BufferAttribute[]) column.onUploadCallback();
+}
 
 /** An update of some vertex and triangle slots, each number telling its slot. */
 function update(vertexSlots: number, vertexRanges: number[], triangleSlots: number, triangleRanges: number[]): FrameUpdate {
@@ -26,12 +37,9 @@ function update(vertexSlots: number, vertexRanges: number[], triangleSlots: numb
 }
 
 test("only the changed ranges are marked for upload, in every column and the index", () => {
-  const geometry = frontGeometry(INFO);
+  const geometry = geometryOf();
   applyFrame(geometry, update(100, [0, 100], 200, [0, 200]));
-  const columns = () => [...Object.values(geometry.attributes), geometry.index!] as never as {
-    itemSize: number; updateRanges: { start: number; count: number }[]; clearUpdateRanges(): void; array: Float32Array;
-  }[];
-  for (const column of columns()) column.clearUpdateRanges();
+  upload(geometry);
   applyFrame(geometry, update(100, [10, 2, 50, 1], 200, [30, 4]));
   expect(geometry.getAttribute("position")).toHaveProperty("updateRanges", [{ start: 30, count: 6 }, { start: 150, count: 3 }]);
   expect(geometry.getAttribute("normal")).toHaveProperty("updateRanges", [{ start: 40, count: 8 }, { start: 200, count: 4 }]);
@@ -41,7 +49,7 @@ test("only the changed ranges are marked for upload, in every column and the ind
 });
 
 test("longer fronts get longer buffers, and keep what was there", () => {
-  const geometry = frontGeometry(INFO);
+  const geometry = geometryOf();
   const freed = vi.fn();
   applyFrame(geometry, update(10, [0, 10], 10, [0, 10]));
   geometry.addEventListener("dispose", freed);
@@ -56,8 +64,19 @@ test("longer fronts get longer buffers, and keep what was there", () => {
   expect(freed).toHaveBeenCalledOnce();
 });
 
+test("buffers are as long as the engine says, shorter ones too, and their bytes are told", () => {
+  const geometry = geometryOf();
+  applyFrame(geometry, { ...update(90, [0, 90], 50, [0, 50]), vertexCapacity: 100, triangleCapacity: 60 });
+  expect([geometry.getAttribute("level").count, geometry.index!.count]).toEqual([100, 180]);
+  expect(bufferBytes(geometry)).toBe(100 * (12 + 8 + 1) + 180 * 4);
+  applyFrame(geometry, { ...update(20, [0, 20], 10, [0, 10]), vertexCapacity: 30, triangleCapacity: 20 });
+  expect([geometry.getAttribute("level").count, geometry.index!.count]).toEqual([30, 60]);
+  expect(geometry.getAttribute("position").getX(19)).toBe(19);
+  expect(bufferBytes(geometry)).toBe(30 * 21 + 60 * 4);
+});
+
 test("colours become linear, opacity does not", () => {
-  const geometry = frontGeometry({ ...INFO, up: [0, 1, 0], hasColors: true });
+  const geometry = geometryOf({ ...BOUNDS, hasColors: true });
   const frame = update(2, [0, 2], 1, [0, 1]);
   frame.vertices.colors = Uint8Array.of(255, 0, 188, 128, 0, 0, 0, 255);
   applyFrame(geometry, frame);
@@ -67,13 +86,40 @@ test("colours become linear, opacity does not", () => {
   expect(color.getW(0)).toBeCloseTo(128 / 255, 3);
 });
 
-test("normals and colours are declared before the first frame, or the first program has none", () => {
-  const geometry = frontGeometry({ ...INFO, up: [0, 1, 0], hasColors: true });
-  expect(Object.keys(geometry.attributes).sort()).toEqual(["color", "level", "normal", "position"]);
+test("normals are declared before anything is there, or the first program has none", () => {
+  expect(Object.keys(frontGeometry().attributes).sort()).toEqual(["level", "normal", "position"]);
+  expect(Object.keys(geometryOf({ ...BOUNDS, hasColors: true }).attributes)).toContain("color");
 });
 
-test("the bounding sphere holds the model's box", () => {
-  const { center, radius } = frontGeometry(INFO).boundingSphere!;
+test("the bounding sphere holds the model's box, and nothing while there is no model", () => {
+  const { center, radius } = geometryOf().boundingSphere!;
   expect(center.toArray()).toEqual([0, 0, 0]);
   expect(radius).toBeGreaterThan(Math.sqrt(14));
+  expect(geometryOf({ ...BOUNDS, baseError: 2 }).boundingSphere!.radius).toBeCloseTo(Math.sqrt(14) + 2);
+  expect(frontGeometry().boundingSphere!.radius).toBeLessThan(0);
+});
+
+test("the base mesh is drawn until the first frame takes its place", () => {
+  const geometry = frontGeometry();
+  applyBase(geometry, {
+    positions: Float32Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0), normals: new Int16Array(12), colors: new Uint8Array(12).fill(255),
+    triangles: Uint32Array.of(0, 1, 2), min: [0, 0, 0], max: [1, 1, 0], up: [0, 1, 0],
+  });
+  expect(geometry.drawRange.count).toBe(3);
+  expect([...geometry.index!.array]).toEqual([0, 1, 2]);
+  expect(geometry.getAttribute("color").getX(2)).toBe(1);
+  applyFrame(geometry, update(4, [0, 4], 2, [0, 2]));
+  expect(geometry.drawRange.count).toBe(6);
+  expect(geometry.getAttribute("position").getX(3)).toBe(3);
+});
+
+test("a column to colour by comes and goes, and grows with the others", () => {
+  const geometry = geometryOf();
+  applyFrame(geometry, { ...update(3, [0, 3], 1, [0, 1]), shade: { by: "error", values: Float32Array.of(3, 4, 5) } });
+  expect(geometry.getAttribute("shade").getX(2)).toBe(5);
+  applyFrame(geometry, { ...update(50, [3, 47], 1, []), shade: { by: "error", values: new Float32Array(50).fill(7) } });
+  expect(geometry.getAttribute("shade").count).toBe(geometry.getAttribute("position").count);
+  expect(geometry.getAttribute("shade").getX(49)).toBe(7);
+  dropShade(geometry);
+  expect(geometry.hasAttribute("shade")).toBe(false);
 });
