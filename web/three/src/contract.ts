@@ -34,5 +34,6 @@ export type Frame = FrameUpdate & {
 export type Info = ModelInfo & { baseError?: number };
 export type Client = MeshfrontClient & {
   inspect?(model: number, frame: number, triangle: number): Promise<Inspection | undefined>;
+  spheres?(model: number, most: number): Promise<Float32Array>;
   memory?(): Promise<number>;
 };

@@ -253,6 +253,14 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
     return (this.budget.client as Client).inspect?.(this.opened.model, this.frame, faceIndex);
   }
 
+  /**
+   * The spheres of the updates that would be applied next, worst first, in mesh space: centre and radius, four numbers each, of
+   * `most` updates at most.
+   */
+  async spheres(most: number): Promise<Float32Array> {
+    return (this.opened && (await (this.budget.client as Client).spheres?.(this.opened.model, most))) ?? new Float32Array();
+  }
+
   /** Ends its worker, unless others share it, and frees the buffers; a material that was given is the caller's. */
   override dispose(): void {
     this.closing.abort();
