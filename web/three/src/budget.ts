@@ -95,7 +95,7 @@ export class MeshfrontBudget {
     this.inFlight = true;
     const { maxTriangles, deadlineMs } = this;
     try {
-      const frames = await this.client.adapt(views.map(({ model, view }) => ({ model, view })), { maxTriangles, deadlineMs });
+      const frames = await this.client.adapt(views.map(({ model, view }) => ({ model, views: [view] })), { maxTriangles, maxBytes: Infinity, deadlineMs });
       this.asked = { members: views.map(({ member }) => member), maxTriangles };
       frames?.forEach((frame, i) => {
         const { member, view } = views[i]!;
@@ -115,10 +115,12 @@ export class MeshfrontBudget {
 /** The statistics of several fronts as if they were one. */
 export function totalStats(all: FrameStats[]): FrameStats | undefined {
   if (all.length === 0) return undefined;
-  const sum = (key: "triangles" | "refined" | "coarsened" | "evaluations" | "gatherMs" | "uploadBytes") =>
+  const sum = (key: "triangles" | "vertices" | "frontBytes" | "refined" | "coarsened" | "evaluations" | "gatherMs" | "uploadBytes") =>
     all.reduce((total, stats) => total + stats[key], 0);
   return {
     triangles: sum("triangles"),
+    vertices: sum("vertices"),
+    frontBytes: sum("frontBytes"),
     refined: sum("refined"),
     coarsened: sum("coarsened"),
     evaluations: sum("evaluations"),
@@ -128,6 +130,7 @@ export function totalStats(all: FrameStats[]): FrameStats | undefined {
     engineMs: Math.max(...all.map(({ engineMs }) => engineMs)),
     settled: all.every(({ settled }) => settled),
     budgetBound: all.some(({ budgetBound }) => budgetBound),
+    byteBound: all.some(({ byteBound }) => byteBound),
     errorPx: Math.max(...all.map(({ errorPx }) => errorPx)),
   };
 }

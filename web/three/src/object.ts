@@ -156,7 +156,7 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
   private async open(source: string | URL | ArrayBuffer, name: string | undefined): Promise<ModelInfo> {
     try {
       const opened = await this.budget.client.open(source, {
-        onProgress: (loaded, total) => this.dispatchEvent({ type: "load-progress", loaded, total }),
+        onProgress: ({ loaded, total }) => this.dispatchEvent({ type: "load-progress", loaded, total }),
         signal: this.closing.signal,
         ...(name === undefined ? {} : { name }),
       });
