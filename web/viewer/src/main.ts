@@ -209,6 +209,7 @@ const TITLES: Record<MeshfrontError["kind"], string> = {
   "not-front": "This is not a .front file",
   damaged: "The file is damaged",
   "too-new": "The file is too new",
+  memory: "There is not enough memory",
   engine: "The engine stopped",
   closed: "The model was closed",
 };
