@@ -60,6 +60,7 @@ export class MeshfrontBudget {
   private readonly members = new Set<Member>();
   private asked: { members: Member[]; maxTriangles: number; maxBytes: number } | undefined;
   private inFlight = false;
+  private again = false;
   private broken = false;
 
   constructor(options: BudgetOptions = {}) {
@@ -74,8 +75,12 @@ export class MeshfrontBudget {
     return !this.inFlight && this.isSettled(this.jobs());
   }
 
-  /** Asks for the fronts of the objects' present views, where there is something to ask for. */
+  /**
+   * Asks for the fronts of the objects' present views, where there is something to ask for. While an answer is on its way, it asks
+   * when that is there.
+   */
   update(): void {
+    this.again = this.inFlight;
     if (this.inFlight || this.broken) return;
     const jobs = this.jobs();
     if (jobs.length > 0 && !this.isSettled(jobs)) void this.adapt(jobs);
@@ -139,7 +144,7 @@ export class MeshfrontBudget {
       this.inFlight = false;
     }
     // Drawing may be slower than the engine: the worker need not wait for the next frame to go on.
-    if (jobs.some(({ member }) => member.last?.stats.settled === false)) this.update();
+    if (this.again || jobs.some(({ member }) => member.last?.stats.settled === false)) this.update();
   }
 }
 
