@@ -6,15 +6,15 @@ use crate::source::{Source, Target};
 use crate::surface::{Cell, Surface};
 use crate::topology::{Topology, edges};
 use glam::{DVec3, Quat, Vec3, vec3};
-use meshfront_hierarchies::LiveMesh;
 use meshfront_hierarchies::live::TriangleBuffers;
+use meshfront_hierarchies::{LiveMesh, TriangleModel};
 use meshfront_refine::criteria::{Region, Scale, ScreenSpace, Shape, Uniform};
 use meshfront_refine::oracle::Oracle;
 use meshfront_refine::{Camera, Criterion, Footprint, Front, Request, Step, UpdateId, ViewOptions, view};
 use std::collections::HashMap;
 
 /// All promises, on one hierarchy. `snap` is how far a vertex of the full front may be from the source's.
-pub fn check<H: Inspect>(h: &H, source: &Source, snap: f32, seed: u64) {
+pub fn check<H: Inspect + TriangleModel>(h: &H, source: &Source, snap: f32, seed: u64) {
     let updates = Updates::watch(h);
     updates.footprints_nest(h);
     full_is_the_source(&updates.full, source, snap);
@@ -30,6 +30,7 @@ pub fn check<H: Inspect>(h: &H, source: &Source, snap: f32, seed: u64) {
         follow(h, source, kind, seed + kind as u64);
     }
     budgets(h, source, seed);
+    replacements(h, &updates, source, seed);
 }
 
 /// What each update replaces, as seen when all are applied in order of id.
@@ -325,6 +326,52 @@ pub fn tolerances<H: Inspect>(h: &H, source: &Source) -> Option<f32> {
     }
     tightness.sort_by(f32::total_cmp);
     tightness.get(tightness.len() / 2).copied()
+}
+
+/// At every triangle of several fronts the update that would replace it is the one that takes its cell away when all are
+/// applied; at those of the source there is none.
+pub fn replacements<H: Inspect + TriangleModel>(h: &H, updates: &Updates, source: &Source, seed: u64) {
+    let mut takers: HashMap<Cell, Vec<UpdateId>> = HashMap::new();
+    for &m in &updates.all {
+        for &cell in &updates.cells[m.ix()][0] {
+            takers.entry(cell).or_default().push(m);
+        }
+    }
+    let mut random = Random::new(seed);
+    let mut front = Front::new(h);
+    let mut checked = [0, 0];
+    for round in 0..12 {
+        // Everything; then fine in a ball and coarse around it, for cells of all levels side by side.
+        let tolerance = if round == 0 { 0.0 } else { source.diagonal * 1e-4 * 300f32.powf(random.unit()) };
+        let place = source.mesh.positions[random.below(source.mesh.positions.len())];
+        let shape = Shape::Sphere { center: place, radius: 0.3 * source.diagonal * random.unit() };
+        let outside = Scale { inner: Uniform, factor: if round == 0 { 1.0 } else { 0.03 } };
+        front.adapt(h, &Region { shape, inside: Uniform, outside }, &Request::tolerance(tolerance));
+        let mesh = front.mesh();
+        let slots = mesh.buffers().triangles.iter().enumerate();
+        let live = slots.clone().filter(|(_, t)| **t != [0; 3]).map(|(slot, _)| slot as u32);
+        for (slot, names) in live.zip(H::names(mesh)) {
+            let takers = takers.get(&crate::surface::cell(names)).map_or(&[][..], |takers| takers);
+            match h.next_at(mesh, slot) {
+                Some(m) => {
+                    assert!(takers.contains(&m), "{m:?} is to replace {names:?}, which {takers:?} take away");
+                    assert!(!front.is_applied(m), "{m:?} is to replace {names:?}, and is applied");
+                    checked[0] += 1;
+                }
+                None => {
+                    assert!(takers.is_empty(), "nothing is to replace {names:?}, which {takers:?} take away");
+                    checked[1] += 1;
+                }
+            }
+        }
+        for (slot, _) in slots.filter(|(_, t)| **t == [0; 3]) {
+            assert_eq!(h.next_at(mesh, slot as u32), None, "a free slot");
+        }
+    }
+    assert!(
+        updates.all.len() < 30 || checked.iter().all(|&n| n > 0),
+        "there were coarse and full triangles: {checked:?}"
+    );
 }
 
 /// The renderer's copy: follows the live mesh by uploading what is said to have changed.

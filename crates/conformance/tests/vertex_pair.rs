@@ -5,7 +5,7 @@ use meshfront_conformance::Source;
 use meshfront_conformance::merger::{Merging, merge};
 use meshfront_conformance::random::Random;
 use meshfront_conformance::suite::{
-    Updates, budgets, error_in_force, follow, full_is_the_source, promises, tolerances, wander,
+    Updates, budgets, error_in_force, follow, full_is_the_source, promises, replacements, tolerances, wander,
 };
 use meshfront_hierarchies::VertexPair;
 use meshfront_mesh::sample::{self, defects};
@@ -27,6 +27,7 @@ fn check(h: &VertexPair, source: &Source, snap: f32, seed: u64) -> Option<f32> {
         follow(h, source, kind, seed + kind as u64);
     }
     budgets(h, source, seed);
+    replacements(h, &updates, source, seed);
     tolerances(h, source)
 }
 

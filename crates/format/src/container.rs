@@ -129,6 +129,15 @@ pub(crate) fn u64_at(bytes: &[u8], at: usize) -> u64 {
 
 /// Checks the header and the table of sections; gives the model's name and the number of sections.
 pub(crate) fn open_header<'a>(bytes: &'a [u8], file: &str) -> Result<(&'a str, usize), ReadError> {
+    let (name, count, total) = start_header(bytes, file)?;
+    if total != bytes.len() as u64 {
+        return Err(ReadError::Length { file: file.into(), found: bytes.len() as u64, expected: total });
+    }
+    Ok((name, count))
+}
+
+/// The same of the first bytes of a file; gives its length besides.
+fn start_header<'a>(bytes: &'a [u8], file: &str) -> Result<(&'a str, usize, u64), ReadError> {
     let length_error = |expected: u64| ReadError::Length { file: file.into(), found: bytes.len() as u64, expected };
     let header_fault = |offset, reason| Fault { section: "header", offset, reason }.in_file(file);
     if bytes.len() < MAGIC.len() || bytes[..MAGIC.len()] != MAGIC {
@@ -150,7 +159,7 @@ pub(crate) fn open_header<'a>(bytes: &'a [u8], file: &str) -> Result<(&'a str, u
     }
     let total = u64_at(bytes, 16);
     let start = HEADER_LENGTH + ROW_LENGTH * count as usize;
-    if total != bytes.len() as u64 || bytes.len() < start {
+    if total < start as u64 || bytes.len() < start {
         return Err(length_error(total.max(start as u64)));
     }
     if u32_at(bytes, CHECKSUM_AT) != header_checksum(&bytes[..start]) {
@@ -159,7 +168,22 @@ pub(crate) fn open_header<'a>(bytes: &'a [u8], file: &str) -> Result<(&'a str, u
     let name = &bytes[24..24 + MODEL_LENGTH];
     let name = &name[..name.iter().position(|&b| b == 0).unwrap_or(MODEL_LENGTH)];
     let name = std::str::from_utf8(name).map_err(|_| header_fault(24, "the model's name is not text"))?;
-    Ok((name, count as usize))
+    Ok((name, count as usize, total))
+}
+
+/// The model's name, and those of the sections that lie within the first bytes of a file and are as they were written.
+pub(crate) fn start<'a>(bytes: &'a [u8], known: &[&'static str]) -> Option<(&'a str, Vec<Section<'a>>)> {
+    let (model, count, _) = start_header(bytes, "").ok()?;
+    let row = |row: usize| {
+        let at = HEADER_LENGTH + ROW_LENGTH * row;
+        let name = known.iter().find(|n| n.as_bytes() == &bytes[at..at + 4])?;
+        let offset = usize::try_from(u64_at(bytes, at + 8)).ok()?;
+        let length = usize::try_from(u64_at(bytes, at + 16)).ok()?;
+        let body = bytes.get(offset..offset.checked_add(length)?)?;
+        let codec = Codec::of(u32_at(bytes, at + 4))?;
+        (u32_at(bytes, at + 24) == checksum(body)).then_some(Section { name, codec, offset, bytes: body })
+    };
+    Some((model, (0..count).filter_map(row).collect()))
 }
 
 /// The sections of a file, in order; those that may be passed over are, if not among `known`.

@@ -626,6 +626,20 @@ pub(crate) fn decode_table<'a>(table: Section, body: Section<'a>, meta: &Meta) -
     Ok(rows)
 }
 
+/// The base mesh that sections hold, with its normals and colours. `own_flags` as in [`Opened::with`].
+pub(crate) fn base_of(sections: &[Section], own_flags: u32) -> Option<TriangleMesh> {
+    let get = |name: &str| sections.iter().find(|s| s.name == name).copied();
+    let meta = decode_meta(get("META")?, own_flags).ok()?;
+    let (mut base, _) = decode_base(get("BASE")?, &meta).ok()?;
+    if meta.has(HAS_BASE_NORMALS) {
+        base.vertex.normals = decode_base_normals(get("BNRM")?, meta.base_vertices).ok()?;
+    }
+    if meta.has(HAS_BASE_COLORS) {
+        base.vertex.colors = decode_base_colors(get("BCOL")?, meta.base_vertices).ok()?;
+    }
+    Some(base)
+}
+
 /// A file's sections, found and compared with META.
 pub(crate) struct Opened<'a> {
     pub meta: Meta,

@@ -13,6 +13,7 @@
 //! for its sections.
 
 use meshfront_hierarchies::{Model, Stored};
+use meshfront_mesh::TriangleMesh;
 
 mod container;
 pub mod edge_collapse;
@@ -63,6 +64,21 @@ pub fn decode(bytes: &[u8], file: &str) -> Result<Stored, ReadError> {
         Model::VertexRemoval => Stored::VertexRemoval(vertex_removal::decode(bytes, file)?),
         Model::VertexPair => Stored::VertexPair(vertex_pair::decode(bytes, file)?),
     })
+}
+
+/// The base mesh from the first bytes of a file, to be shown while the rest arrives. The hierarchies of meshes have it within some
+/// tens of kilobytes, with a checksum of its own.
+///
+/// `None` as long as the bytes do not reach, for terrains, whose base is little more than their corners, and where anything is
+/// wrong: [`decode`] tells what.
+pub fn base(start: &[u8]) -> Option<TriangleMesh> {
+    let (model, sections) = container::start(start, &["META", "BASE", "BNRM", "BCOL"])?;
+    let own_flags = match Model::of_name(model)? {
+        Model::RightTriangles => return None,
+        Model::EdgeCollapse | Model::VertexPair => 0,
+        Model::VertexRemoval => vertex_removal::CONNECTIVITY,
+    };
+    edge_collapse::base_of(&sections, own_flags)
 }
 
 /// What a file that lies in memory holds. `file` is what errors call it.

@@ -39,7 +39,7 @@ pub const MODEL: &str = "vertex_removal";
 const SECTIONS: [&str; 6] = ["META", "BASE", "BNRM", "BCOL", "UTAB", "INSR"];
 
 /// Flags of META: the place in [`Connectivity::ALL`].
-const CONNECTIVITY: u32 = 7 * FIRST_CONNECTIVITY;
+pub(crate) const CONNECTIVITY: u32 = 7 * FIRST_CONNECTIVITY;
 const FIRST_CONNECTIVITY: u32 = 2 * shared::HAS_COLORS;
 
 /// Bits of an error that rounding leaves 0.

@@ -220,3 +220,30 @@ proptest! {
         prop_assert_eq!(inspect(&bytes, "test").unwrap().updates as usize, columns.vertex.len());
     }
 }
+
+/// The base mesh alone, from as much of the file as holds it.
+#[test]
+fn a_base_mesh_is_read_from_the_start_of_a_file() {
+    for painted in [false, true] {
+        let mut mesh = sample::knot(4000);
+        if painted {
+            sample::paint(&mut mesh);
+        }
+        let columns =
+            edge_collapse(&mesh, &EdgeCollapseOptions { bits: Some(14), base_triangles: 100 }, &()).unwrap().columns();
+        let bytes = encode(&columns).unwrap();
+        let reaches = (0..bytes.len()).find(|&n| meshfront_format::base(&bytes[..n]).is_some()).expect("a base mesh");
+        assert!(reaches < bytes.len() / 3, "{reaches} of {}", bytes.len());
+        for n in [reaches, reaches + 1, bytes.len()] {
+            assert_eq!(meshfront_format::base(&bytes[..n]), Some(columns.base.clone()));
+        }
+        // Nothing else is ever taken for it.
+        for at in 0..reaches {
+            let mut altered = bytes[..reaches].to_vec();
+            altered[at] ^= 0x10;
+            if let Some(base) = meshfront_format::base(&altered) {
+                assert_eq!(base, columns.base, "byte {at}");
+            }
+        }
+    }
+}

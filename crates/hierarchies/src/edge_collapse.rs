@@ -19,7 +19,8 @@
 
 use crate::footprint::{Frame, PackedFootprint};
 use crate::live::{Most, VertexLook, snorm16};
-use crate::model::{Model, SourceCounts, Stored, TriangleModel};
+use crate::model::{Model, Progress, SourceCounts, Stored, TriangleModel};
+use crate::next::Next;
 use crate::quantize::Places;
 use glam::Vec3;
 use meshfront_mesh::{Bounds, TriangleMesh, VertexId};
@@ -64,6 +65,8 @@ pub struct EdgeCollapse {
     source: SourceCounts,
     /// Of the front with everything applied.
     most: Most,
+    /// By vertex.
+    next: Next,
 }
 
 /// What applying an update reads, in half a cache line.
@@ -101,7 +104,11 @@ impl EdgeCollapse {
     /// # Errors
     /// Any column that does not describe a hierarchy, with the update concerned. Never panics, whatever the content.
     pub fn new(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
-        derive::derive(columns)
+        derive::derive(columns, &mut |_| {})
+    }
+    /// The same; `progress` is told which part of it is done, from 0 to 1.
+    pub(crate) fn with_progress(columns: Columns, progress: Progress) -> Result<EdgeCollapse, InvalidColumns> {
+        derive::derive(columns, progress)
     }
 
     /// The columns as stored: `EdgeCollapse::new(h.columns())` is `h` again.
@@ -257,6 +264,19 @@ impl TriangleModel for EdgeCollapse {
 
     fn source(&self) -> SourceCounts {
         self.source
+    }
+    fn next_at(&self, mesh: &FrontMesh, triangle: u32) -> Option<UpdateId> {
+        let corners = mesh.buffers.triangles[triangle as usize];
+        if corners[0] == corners[1] {
+            return None;
+        }
+        let vertices = self.base.positions.len() + 2 * self.splits.len();
+        let splits = corners.into_iter().filter_map(|slot| {
+            self.next.of(mesh.id(slot).ix(), vertices, |say| {
+                self.splits.iter().zip(0..).for_each(|(split, m)| say(split.vertex.ix(), m));
+            })
+        });
+        splits.max_by(|&a, &b| self.error(a).total_cmp(&self.error(b)).then(b.cmp(&a)))
     }
     fn has_colors(&self) -> bool {
         !self.colors.is_empty() || !self.base.vertex.colors.is_empty()

@@ -7,6 +7,7 @@ mod footprint;
 mod lists;
 pub mod live;
 mod model;
+mod next;
 mod parallel;
 mod quantize;
 pub mod right_triangles;
@@ -15,7 +16,7 @@ pub mod vertex_pair;
 pub mod vertex_removal;
 
 pub use edge_collapse::EdgeCollapse;
-pub use model::{AnySurface, Hierarchy, InvalidStored, LiveMesh, Model, SourceCounts, Stored, TriangleModel};
+pub use model::{AnySurface, Hierarchy, InvalidStored, LiveMesh, Model, Progress, SourceCounts, Stored, TriangleModel};
 pub use right_triangles::RightTriangles;
 pub use vertex_pair::VertexPair;
 pub use vertex_removal::VertexRemoval;

@@ -106,6 +106,10 @@ impl TriangleBuffers {
     pub fn live_triangles(&self) -> usize {
         self.triangles.len() - self.free_triangles.len()
     }
+    /// The most vertices and triangles that a front of the hierarchy can have, as far as it knows.
+    pub fn most_live(&self) -> [usize; 2] {
+        [self.most.vertices, self.most.triangles]
+    }
     /// Number of live vertices.
     pub fn live_vertices(&self) -> usize {
         self.positions.len() - self.free_vertices.len()

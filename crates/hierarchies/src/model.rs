@@ -8,7 +8,7 @@ use glam::Vec3;
 use meshfront_mesh::Bounds;
 use meshfront_refine::criteria::View;
 use meshfront_refine::{
-    AnyFront, Member, MultiTessellation, Outcome, Owned, Request, UpdateId, Viewed, adapt_together,
+    AnyFront, Footprint, Member, MultiTessellation, Outcome, Owned, Request, UpdateId, Viewed, adapt_together,
 };
 use std::sync::Arc;
 
@@ -73,7 +73,12 @@ pub trait TriangleModel: MultiTessellation<Mesh: LiveMesh> {
     /// What leaving an update out costs the mesh as a whole, in the order that a mesh of a given number of cells takes
     /// them. What an update needs costs no less.
     fn cost(&self, m: UpdateId) -> f32;
-    /// Memory of all columns, bytes.
+    /// The update that would replace a live triangle: of those whose M⁻ it lies in, the one with the greatest error. That error
+    /// is the one in force there. `None` where the triangle is one of the source's; a free slot has none either.
+    ///
+    /// The first call may take a pass over all updates, and keeps at most twelve bytes for each.
+    fn next_at(&self, mesh: &Self::Mesh, triangle: u32) -> Option<UpdateId>;
+    /// Memory of all columns, bytes; without what [`next_at`](TriangleModel::next_at) keeps.
     fn memory_bytes(&self) -> usize;
     /// What is to be stored of it.
     fn stored(&self) -> Stored;
@@ -103,6 +108,17 @@ pub enum Stored {
     VertexRemoval(vertex_removal::Columns),
     /// See [`vertex_pair::Columns`].
     VertexPair(vertex_pair::Columns),
+}
+
+/// Is told which part of the work is done, from 0 to 1.
+pub type Progress<'a> = &'a mut dyn FnMut(f32);
+
+/// After every so many updates of a replay, the greater part of the work of opening, it is told how far it is.
+#[inline]
+pub(crate) fn replayed(progress: Progress, m: usize, updates: usize) {
+    if m.is_multiple_of(1 << 13) {
+        progress(0.9 * m as f32 / updates as f32);
+    }
 }
 
 /// Why stored columns are no hierarchy.
@@ -154,11 +170,22 @@ impl Hierarchy {
     /// # Errors
     /// Columns that do not describe a hierarchy. Never panics, whatever the content.
     pub fn new(stored: Stored) -> Result<Hierarchy, InvalidStored> {
+        Hierarchy::with_progress(stored, &mut |_| {})
+    }
+    /// The same; `progress` is told which part of it is done.
+    ///
+    /// # Errors
+    /// As [`Hierarchy::new`].
+    pub fn with_progress(stored: Stored, progress: Progress) -> Result<Hierarchy, InvalidStored> {
         Ok(match stored {
-            Stored::EdgeCollapse(columns) => Hierarchy::EdgeCollapse(EdgeCollapse::new(columns)?),
-            Stored::RightTriangles(columns) => Hierarchy::RightTriangles(RightTriangles::new(columns)?),
-            Stored::VertexRemoval(columns) => Hierarchy::VertexRemoval(VertexRemoval::new(columns)?),
-            Stored::VertexPair(columns) => Hierarchy::VertexPair(VertexPair::new(columns)?),
+            Stored::EdgeCollapse(columns) => Hierarchy::EdgeCollapse(EdgeCollapse::with_progress(columns, progress)?),
+            Stored::RightTriangles(columns) => {
+                Hierarchy::RightTriangles(RightTriangles::with_progress(columns, progress)?)
+            }
+            Stored::VertexRemoval(columns) => {
+                Hierarchy::VertexRemoval(VertexRemoval::with_progress(columns, progress)?)
+            }
+            Stored::VertexPair(columns) => Hierarchy::VertexPair(VertexPair::with_progress(columns, progress)?),
         })
     }
     /// The columns as stored.
@@ -206,13 +233,7 @@ impl Hierarchy {
     }
     /// The greatest error of all updates, mesh units: that of the base mesh.
     pub fn base_error(&self) -> f32 {
-        fn of<H: TriangleModel>(h: &H) -> f32 {
-            // Errors never grow downwards.
-            let mut worst = h.floor_error();
-            h.roots(|m| worst = worst.max(h.footprint(m).error));
-            worst
-        }
-        with_model!(self, h => of(h))
+        with_model!(self, h => base_error(h))
     }
     /// Number of updates. Looks at all ids.
     pub fn update_count(&self) -> usize {
@@ -252,6 +273,22 @@ pub trait AnySurface: AnyFront {
     fn up(&self) -> Vec3;
     /// See [`MultiTessellation::floor_error`].
     fn floor_error(&self) -> f32;
+    /// The greatest error of all updates, mesh units: that of the base mesh.
+    fn base_error(&self) -> f32;
+    /// Memory of the hierarchy, which other fronts may share, bytes.
+    fn hierarchy_bytes(&self) -> usize;
+    /// See [`TriangleModel::next_at`].
+    fn next_at(&self, triangle: u32) -> Option<UpdateId>;
+    /// See [`MultiTessellation::footprint`].
+    fn footprint(&self, m: UpdateId) -> Footprint;
+}
+
+/// See [`Hierarchy::base_error`].
+fn base_error<H: TriangleModel>(h: &H) -> f32 {
+    // Errors never grow downwards.
+    let mut worst = h.floor_error();
+    h.roots(|m| worst = worst.max(h.footprint(m).error));
+    worst
 }
 
 impl<H: TriangleModel + 'static> AnySurface for Owned<H> {
@@ -290,5 +327,17 @@ impl<H: TriangleModel + 'static> AnySurface for Owned<H> {
     }
     fn floor_error(&self) -> f32 {
         self.hierarchy.floor_error()
+    }
+    fn base_error(&self) -> f32 {
+        base_error(&*self.hierarchy)
+    }
+    fn hierarchy_bytes(&self) -> usize {
+        TriangleModel::memory_bytes(&*self.hierarchy)
+    }
+    fn next_at(&self, triangle: u32) -> Option<UpdateId> {
+        self.hierarchy.next_at(self.front.mesh(), triangle)
+    }
+    fn footprint(&self, m: UpdateId) -> Footprint {
+        self.hierarchy.footprint(m)
     }
 }

@@ -18,7 +18,7 @@
 //! Mesh space: x metres to the east of the south-western sample, y to the north, z up, times the exaggeration.
 
 use crate::live::Most;
-use crate::model::{Model, SourceCounts, Stored, TriangleModel};
+use crate::model::{Model, Progress, SourceCounts, Stored, TriangleModel};
 use glam::{DVec2, Vec2, Vec3};
 use meshfront_mesh::{Bounds, Unit};
 use meshfront_refine::{Footprint, MultiTessellation, NormalCone, UpdateId};
@@ -221,7 +221,11 @@ impl RightTriangles {
     /// # Errors
     /// Columns that are no terrain.
     pub fn new(columns: Columns) -> Result<RightTriangles, InvalidHeights> {
-        derive::derive(columns)
+        derive::derive(columns, &mut |_| {})
+    }
+    /// The same; `progress` is told which part of it is done, from 0 to 1.
+    pub(crate) fn with_progress(columns: Columns, progress: Progress) -> Result<RightTriangles, InvalidHeights> {
+        derive::derive(columns, progress)
     }
 
     /// The columns as stored.
@@ -402,6 +406,16 @@ impl TriangleModel for RightTriangles {
             + size_of_val(&self.corners[..])
             + size_of_val(&self.base[..])
             + self.base_slots.capacity() * (size_of::<([i32; 2], usize)>() + 5)
+    }
+    /// The one in the middle of the hypotenuse.
+    fn next_at(&self, mesh: &FrontMesh, triangle: u32) -> Option<UpdateId> {
+        let [a, b, _] = mesh.buffers.triangles[triangle as usize];
+        let columns = self.lattice.columns as u32;
+        let [a, b] =
+            [a, b].map(|slot| mesh.samples()[slot as usize]).map(|sample| [sample % columns, sample / columns]);
+        let [x, y] = [a[0] + b[0], a[1] + b[1]];
+        let middle = if x % 2 == 0 && y % 2 == 0 { self.lattice.id(x as i32 / 2, y as i32 / 2) } else { None };
+        middle.filter(|&id| a != b && self.is_update(id)).map(UpdateId)
     }
     fn has_colors(&self) -> bool {
         false

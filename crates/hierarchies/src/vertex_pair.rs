@@ -44,7 +44,7 @@
 use crate::columns::base_bytes;
 use crate::footprint::{Frame, PackedFootprint};
 use crate::live::{Most, VertexLook, snorm16};
-use crate::model::{Model, SourceCounts, Stored, TriangleModel};
+use crate::model::{Model, Progress, SourceCounts, Stored, TriangleModel};
 use crate::quantize::Places;
 use glam::Vec3;
 use meshfront_mesh::{Bounds, TriangleMesh, VertexId};
@@ -137,7 +137,11 @@ impl VertexPair {
     /// # Errors
     /// Any column that does not describe a hierarchy, with the update concerned. Never panics, whatever the content.
     pub fn new(columns: Columns) -> Result<VertexPair, InvalidColumns> {
-        derive::derive(columns)
+        derive::derive(columns, &mut |_| {})
+    }
+    /// The same; `progress` is told which part of it is done, from 0 to 1.
+    pub(crate) fn with_progress(columns: Columns, progress: Progress) -> Result<VertexPair, InvalidColumns> {
+        derive::derive(columns, progress)
     }
 
     /// The columns as stored: `VertexPair::new(h.columns())` is `h` again.
@@ -322,6 +326,14 @@ impl TriangleModel for VertexPair {
     }
     fn source(&self) -> SourceCounts {
         self.source
+    }
+    fn next_at(&self, mesh: &FrontMesh, triangle: u32) -> Option<UpdateId> {
+        let corners = mesh.buffers.triangles[triangle as usize];
+        if corners[0] == corners[1] {
+            return None;
+        }
+        let splits = corners.into_iter().filter_map(|slot| self.splitter(mesh.key(slot)));
+        splits.max_by(|&a, &b| self.error(a).total_cmp(&self.error(b)).then(b.cmp(&a)))
     }
     fn has_colors(&self) -> bool {
         !self.colors.is_empty() || !self.base.vertex.colors.is_empty()

@@ -19,7 +19,8 @@
 
 use crate::footprint::{Frame, PackedFootprint};
 use crate::live::{Most, VertexLook, snorm16};
-use crate::model::{Model, Stored, TriangleModel};
+use crate::model::{Model, Progress, Stored, TriangleModel};
+use crate::next::Next;
 use crate::quantize::Places;
 use glam::Vec3;
 use meshfront_mesh::{Bounds, TriangleMesh, VertexId};
@@ -63,6 +64,8 @@ pub struct VertexRemoval {
     floor_error: f32,
     source: SourceCounts,
     most: Most,
+    /// By cell.
+    next: Next,
 }
 
 /// What applying an update reads, besides its cells.
@@ -121,7 +124,11 @@ impl VertexRemoval {
     /// # Errors
     /// Any column that does not describe a hierarchy, with the update concerned. Never panics, whatever the content.
     pub fn new(columns: Columns) -> Result<VertexRemoval, InvalidColumns> {
-        derive::derive(columns)
+        derive::derive(columns, &mut |_| {})
+    }
+    /// The same; `progress` is told which part of it is done, from 0 to 1.
+    pub(crate) fn with_progress(columns: Columns, progress: Progress) -> Result<VertexRemoval, InvalidColumns> {
+        derive::derive(columns, progress)
     }
 
     /// The columns as stored: `VertexRemoval::new(h.columns())` is `h` again.
@@ -267,6 +274,14 @@ impl TriangleModel for VertexRemoval {
     }
     fn source(&self) -> SourceCounts {
         self.source
+    }
+    fn next_at(&self, mesh: &FrontMesh, triangle: u32) -> Option<UpdateId> {
+        let cell = mesh.cell(self, triangle)?;
+        let cells = self.first_cell(UpdateId(self.insertions.len() as u32)) as usize;
+        self.next.of(cell as usize, cells, |say| {
+            let updates = (0..self.insertions.len() as u32).map(UpdateId);
+            updates.for_each(|m| self.minus_of(m).iter().for_each(|cell| say(cell.number() as usize, m.0)));
+        })
     }
     fn has_colors(&self) -> bool {
         !self.colors.is_empty() || !self.base.vertex.colors.is_empty()

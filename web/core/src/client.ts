@@ -1,7 +1,6 @@
 import { MeshfrontError } from "./errors.js";
-import type { Progress } from "./fetch.js";
-import type { Answer, ModelView, Port, Question, Reply, Request } from "./protocol.js";
-import type { FlyByReport, FrameUpdate, Limits, ModelInfo } from "./view.js";
+import type { Answer, ModelView, Notice, Port, Question, Reply, Request } from "./protocol.js";
+import type { BaseMesh, FlyByReport, FrameUpdate, Inspection, Limits, ModelInfo, OpenProgress } from "./view.js";
 
 /** The page's end of the line to a worker. */
 export interface WorkerPort extends Port<Request, Reply> {
@@ -13,8 +12,10 @@ export interface WorkerPort extends Port<Request, Reply> {
 export interface OpenOptions {
   /** What messages call the file; by default the last part of its address. */
   name?: string;
-  /** Told while the file arrives. */
-  onProgress?: Progress;
+  /** Told while the file arrives and is checked. */
+  onProgress?: (progress: OpenProgress) => void;
+  /** Given the base mesh as soon as that is there, once, before the model is open. Terrains have none. */
+  onBase?: (base: BaseMesh) => void;
   /** Gives up: `open` rejects with kind `closed`. */
   signal?: AbortSignal;
 }
@@ -30,7 +31,7 @@ export interface ClientModel {
 interface Waiting {
   resolve(answer: Answer): void;
   reject(error: MeshfrontError): void;
-  onProgress: Progress | undefined;
+  onNotice: ((notice: Notice) => void) | undefined;
 }
 
 interface Pending {
@@ -63,14 +64,19 @@ export class MeshfrontClient {
    * @throws MeshfrontError of every kind
    */
   async open(source: string | URL | ArrayBuffer, options: OpenOptions = {}): Promise<ClientModel> {
-    const { onProgress, signal } = options;
+    const { onProgress, onBase, signal } = options;
     const closed = () => new MeshfrontError("closed", "the model was closed");
     if (signal?.aborted) throw closed();
     const name = options.name ?? (source instanceof ArrayBuffer ? "the file" : String(source).split("/").pop()!);
+    const onNotice = (notice: Notice) => {
+      if (signal?.aborted) return;
+      if (notice.type === "base") onBase?.(notice.base);
+      else onProgress?.(notice.progress);
+    };
     const answer =
       source instanceof ArrayBuffer
-        ? this.line.ask({ type: "open", source, name }, [source], onProgress)
-        : this.line.ask({ type: "open", source: new URL(source, document.baseURI).href, name }, [], onProgress);
+        ? this.line.ask({ type: "open", source, name }, [source], onNotice)
+        : this.line.ask({ type: "open", source: new URL(source, document.baseURI).href, name }, [], onNotice);
     const opened = answer.then((answer) => expected(answer, "opened"));
     if (!signal) return opened;
     return new Promise((resolve, reject) => {
@@ -98,6 +104,32 @@ export class MeshfrontClient {
       this.pending = { views, limits, resolve, reject };
       if (!this.busy) void this.next();
     });
+  }
+
+  /**
+   * What is drawn in a triangle slot, as of an update (`FrameUpdate.frame`) of a model; `undefined` where the front has changed since, or
+   * the slot is free.
+   */
+  async inspect(model: number, frame: number, triangle: number): Promise<Inspection | undefined> {
+    return expected(await this.line.ask({ type: "inspect", model, frame, triangle }), "inspected").inspection;
+  }
+
+  /**
+   * Spheres of the updates that would come next, worst first as seen from the last view, at most `most`: centre and radius, four
+   * numbers each, mesh space. Looks at the whole front.
+   */
+  async spheres(model: number, most: number): Promise<Float32Array> {
+    return expected(await this.line.ask({ type: "spheres", model, most }), "spheres").spheres;
+  }
+
+  /** Another front of an open model, at the base mesh. They share the hierarchy. */
+  async duplicate(model: number): Promise<ClientModel> {
+    return expected(await this.line.ask({ type: "duplicate", model }), "opened");
+  }
+
+  /** Memory of the engine as a whole, bytes: hierarchies, fronts, and what was freed, which WebAssembly keeps. */
+  async memory(): Promise<number> {
+    return expected(await this.line.ask({ type: "memory" }), "memory").bytes;
   }
 
   /** Flies once around a model inside the worker; its front starts and ends as it was. Takes seconds. */
@@ -140,8 +172,8 @@ class Line {
   constructor(private readonly worker: WorkerPort) {
     worker.onmessage = ({ data: reply }) => {
       const waiting = this.waiting.get(reply.id);
-      if (reply.type === "progress") {
-        waiting?.onProgress?.(reply.loaded, reply.total);
+      if (reply.type === "progress" || reply.type === "base") {
+        waiting?.onNotice?.(reply);
         return;
       }
       this.waiting.delete(reply.id);
@@ -151,11 +183,11 @@ class Line {
     worker.onerror = (event) => this.close(new MeshfrontError("engine", event.message || "the worker did not start"));
   }
 
-  ask(question: Question, transfer: Transferable[] = [], onProgress?: Progress): Promise<Answer> {
+  ask(question: Question, transfer: Transferable[] = [], onNotice?: (notice: Notice) => void): Promise<Answer> {
     if (this.closed) return Promise.reject(this.closed);
     const id = this.asked++;
     return new Promise((resolve, reject) => {
-      this.waiting.set(id, { resolve, reject, onProgress });
+      this.waiting.set(id, { resolve, reject, onNotice });
       this.worker.postMessage({ id, ...question }, transfer);
     });
   }

@@ -7,13 +7,15 @@
  * - `not-front`: the bytes are something else than a `.front` file;
  * - `damaged`: a `.front` file whose content does not hold together;
  * - `too-new`: written by a later version;
- * - `engine`: the engine could not start or broke down (memory, WebAssembly switched off);
+ * - `memory`: the browser does not give as much memory as the model needs;
+ * - `engine`: the engine could not start or broke down (WebAssembly switched off, a fault in it);
  * - `closed`: the client was disposed of meanwhile.
  */
-export type ErrorKind = "missing" | "network" | "refused" | "not-front" | "damaged" | "too-new" | "engine" | "closed";
+export type ErrorKind =
+  | "missing" | "network" | "refused" | "not-front" | "damaged" | "too-new" | "memory" | "engine" | "closed";
 
 const KINDS: readonly string[] = [
-  "missing", "network", "refused", "not-front", "damaged", "too-new", "engine", "closed",
+  "missing", "network", "refused", "not-front", "damaged", "too-new", "memory", "engine", "closed",
 ];
 
 const REMEDIES: Record<ErrorKind, string> = {
@@ -23,7 +25,8 @@ const REMEDIES: Record<ErrorKind, string> = {
   "not-front": "Build a .front file from the mesh with `meshfront build`, and open that.",
   damaged: "Copy or download the file again, or rebuild it from its source with `meshfront build`.",
   "too-new": "Update Meshfront, or rebuild the file with this version.",
-  engine: "Reload the page; if that does not help, try a browser with WebAssembly and more memory.",
+  memory: "Close other pages, or build the file again from a smaller mesh.",
+  engine: "Reload the page; if that does not help, try a browser with WebAssembly.",
   closed: "",
 };
 

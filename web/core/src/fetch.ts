@@ -1,14 +1,17 @@
 import { MeshfrontError } from "./errors.js";
 
-/** Bytes so far, and of the whole where the server says so. */
-export type Progress = (loaded: number, total: number | undefined) => void;
+/** Bytes so far, and of the whole where the server says so. `start` has the first of them, until there are many. */
+export type Arrival = (loaded: number, total: number | undefined, start: Uint8Array | undefined) => void;
+
+/** Base meshes lie within so many bytes of most files. */
+const START = 1 << 20;
 
 /**
  * Fetches a file, telling how far it is. Never holds more than twice what arrived, whatever the server promises.
  *
  * @throws MeshfrontError `missing` (404, 410), `refused` (other statuses), `network` (no or broken answer)
  */
-export async function fetchBytes(url: string, onProgress: Progress, fetcher: typeof fetch = fetch): Promise<Uint8Array> {
+export async function fetchBytes(url: string, onArrival: Arrival, fetcher: typeof fetch = fetch): Promise<Uint8Array> {
   let response: Response;
   try {
     response = await fetcher(url);
@@ -25,18 +28,26 @@ export async function fetchBytes(url: string, onProgress: Progress, fetcher: typ
   const total = announced === null ? undefined : Number(announced);
   const chunks: Uint8Array[] = [];
   let loaded = 0;
-  onProgress(0, total);
+  onArrival(0, total, undefined);
   try {
     const reader = response.body?.getReader();
     for (let part = await reader?.read(); part?.value; part = await reader?.read()) {
       chunks.push(part.value);
       loaded += part.value.length;
-      onProgress(loaded, total);
+      onArrival(loaded, total, loaded <= START ? joined(chunks, loaded) : undefined);
     }
   } catch (cause) {
     throw new MeshfrontError("network", `${url} broke off after ${loaded} bytes`, { cause });
   }
-  const bytes = new Uint8Array(loaded);
+  try {
+    return joined(chunks, loaded);
+  } catch (cause) {
+    throw new MeshfrontError("memory", `${url} has ${loaded} bytes, more than there is memory for`, { cause });
+  }
+}
+
+function joined(chunks: Uint8Array[], length: number): Uint8Array {
+  const bytes = new Uint8Array(length);
   let at = 0;
   for (const chunk of chunks) {
     bytes.set(chunk, at);

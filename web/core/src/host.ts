@@ -2,34 +2,81 @@
 
 import { MeshfrontError } from "./errors.js";
 import { fetchBytes } from "./fetch.js";
-import type { Answer, ModelView, Port, Reply, Request } from "./protocol.js";
-import type { FlyByReport, FrameUpdate, Limits, ModelInfo } from "./view.js";
+import type { Answer, ModelView, Notice, Port, Reply, Request } from "./protocol.js";
+import type { BaseMesh, FlyByReport, FrameUpdate, Inspection, Limits, ModelInfo } from "./view.js";
 
 /** Opened models with one front each. Throws what `MeshfrontError.from` understands. */
 export interface Engine {
-  /** Reads a `.front` file, `name` being what messages call it. */
-  open(bytes: Uint8Array, name: string): { model: number; info: ModelInfo };
+  /** The base mesh, once the first bytes of a file reach that far. */
+  baseOf(start: Uint8Array): BaseMesh | undefined;
+  /** Reads a `.front` file, `name` being what messages call it. `onProgress` is told which part of it is done. */
+  open(bytes: Uint8Array, name: string, onProgress: (part: number) => void): { model: number; info: ModelInfo };
+  duplicate(model: number): { model: number; info: ModelInfo };
+  inspect(model: number, frame: number, triangle: number): Inspection | undefined;
+  spheres(model: number, most: number): Float32Array;
+  memory(): number;
   adapt(views: ModelView[], limits: Limits): FrameUpdate[];
   flyBy(model: number): FlyByReport;
   close(model: number): void;
 }
 
+/** Which part of the way to an open model is over when its file is there. */
+const FETCHING = 0.4;
+
 /** Answers the requests that arrive on `port`, for ever. The engine is started with the first of them. */
 export function serve(port: Port<Reply, Request>, start: () => Promise<Engine>, fetcher: typeof fetch = fetch): void {
   let engine: Promise<Engine> | undefined;
+
+  async function open(source: string | ArrayBuffer, name: string, tell: (notice: Notice) => void) {
+    // WebAssembly is compiled while the file arrives.
+    const starting = (engine ??= start());
+    let started: Engine | undefined;
+    starting.then((engine) => { started = engine; }, () => {});
+    let based = false;
+    let [loaded, total]: [number, number | undefined] = [0, undefined];
+    const showBase = (start: Uint8Array | undefined) => {
+      if (based || !start) return;
+      const base = started?.baseOf(start);
+      if (!base) return;
+      based = true;
+      tell({ type: "base", base });
+    };
+    const bytes = typeof source !== "string" ? new Uint8Array(source) : await fetchBytes(source, (now, of, start) => {
+      [loaded, total] = [now, of];
+      tell({ type: "progress", progress: { loaded, total, fraction: of === undefined ? undefined : (FETCHING * now) / of } });
+      showBase(start);
+    }, fetcher);
+    const ready = await starting;
+    started = ready;
+    showBase(bytes);
+    [loaded, total] = [bytes.length, bytes.length];
+    const told = (part: number) => tell({ type: "progress", progress: { loaded, total, fraction: part } });
+    told(FETCHING);
+    // The end is told when it is there.
+    const model = ready.open(bytes, name, (part) => told(FETCHING + (1 - FETCHING) * Math.min(part, 0.999)));
+    told(1);
+    return model;
+  }
 
   async function answer(request: Request): Promise<[Answer, Transferable[]]> {
     const { id } = request;
     switch (request.type) {
       case "open": {
-        const { source, name } = request;
-        const progress = (loaded: number, total: number | undefined) =>
-          port.postMessage({ id, type: "progress", loaded, total }, []);
-        const fetched = typeof source === "string" ? fetchBytes(source, progress, fetcher) : new Uint8Array(source);
-        // WebAssembly is compiled while the file arrives.
-        const [started, bytes] = await Promise.all([(engine ??= start()), fetched]);
-        return [{ type: "opened", ...started.open(bytes, name) }, []];
+        const tell = (notice: Notice) => port.postMessage({ id, ...notice }, noticeBuffers(notice));
+        return [{ type: "opened", ...(await open(request.source, request.name, tell)) }, []];
       }
+      case "inspect": {
+        const { model, frame, triangle } = request;
+        return [{ type: "inspected", inspection: (await opened(engine)).inspect(model, frame, triangle) }, []];
+      }
+      case "spheres": {
+        const spheres = (await opened(engine)).spheres(request.model, request.most);
+        return [{ type: "spheres", spheres }, [spheres.buffer as ArrayBuffer]];
+      }
+      case "duplicate":
+        return [{ type: "opened", ...(await opened(engine)).duplicate(request.model) }, []];
+      case "memory":
+        return [{ type: "memory", bytes: engine ? (await engine).memory() : 0 }, []];
       case "adapt": {
         const frames = (await opened(engine)).adapt(request.views, request.limits);
         return [{ type: "adapted", frames }, frames.flatMap(buffersOf)];
@@ -60,9 +107,15 @@ function opened(engine: Promise<Engine> | undefined): Promise<Engine> {
 }
 
 /** The columns are handed over, not copied. */
-function buffersOf({ vertices, triangles }: FrameUpdate): ArrayBuffer[] {
+function buffersOf({ vertices, triangles, shade }: FrameUpdate): ArrayBuffer[] {
   return [
     vertices.ranges, vertices.positions, vertices.normals, vertices.colors, vertices.levels,
-    triangles.ranges, triangles.corners,
+    triangles.ranges, triangles.corners, ...(shade ? [shade.values] : []),
   ].map((column) => column.buffer as ArrayBuffer);
+}
+
+function noticeBuffers(notice: Notice): ArrayBuffer[] {
+  if (notice.type !== "base") return [];
+  const { positions, normals, colors, triangles } = notice.base;
+  return [positions, normals, colors, triangles].map((column) => column.buffer as ArrayBuffer);
 }

@@ -1,16 +1,24 @@
 import type { ErrorKind } from "./errors.js";
-import type { FlyByReport, FrameUpdate, Limits, ModelInfo, View } from "./view.js";
+import type {
+  BaseMesh, FlyByReport, FrameUpdate, Inspection, Limits, ModelInfo, OpenProgress, Shade, View,
+} from "./view.js";
 
-/** A model of the session, by its number, and where it is looked at from. */
+/** A model of the session, by its number, where it is looked at from, and what it is to be coloured by. */
 export interface ModelView {
   model: number;
-  view: View;
+  /** Of as many cameras as look at it: everywhere the finest counts. */
+  views: View[];
+  shade?: Shade;
 }
 
 /** What a page asks of its worker. */
 export type Question =
   | { type: "open"; source: string | ArrayBuffer; name: string }
   | { type: "adapt"; views: ModelView[]; limits: Limits }
+  | { type: "inspect"; model: number; frame: number; triangle: number }
+  | { type: "spheres"; model: number; most: number }
+  | { type: "duplicate"; model: number }
+  | { type: "memory" }
   | { type: "fly-by"; model: number }
   | { type: "close"; model: number };
 
@@ -21,12 +29,18 @@ export type Request = Question & { id: number };
 export type Answer =
   | { type: "opened"; model: number; info: ModelInfo }
   | { type: "adapted"; frames: FrameUpdate[] }
+  | { type: "inspected"; inspection: Inspection | undefined }
+  | { type: "spheres"; spheres: Float32Array }
+  | { type: "memory"; bytes: number }
   | { type: "flown"; report: FlyByReport }
   | { type: "closed" }
   | { type: "failed"; kind: ErrorKind; message: string };
 
-/** Worker → page. While a file arrives, `progress` comes before the answer. */
-export type Reply = (Answer | { type: "progress"; loaded: number; total: number | undefined }) & { id: number };
+/** Worker → page. While a model is opened, these come before the answer. */
+export type Notice = { type: "progress"; progress: OpenProgress } | { type: "base"; base: BaseMesh };
+
+/** Worker → page. */
+export type Reply = (Answer | Notice) & { id: number };
 
 /** One end of the line: a `Worker`, the global scope inside of one, or a `MessagePort`. */
 export interface Port<Out, In> {

@@ -32,8 +32,14 @@ export interface View {
 
 /** What all models of a client have together. */
 export interface Limits {
-  /** The most triangles that their fronts may hold. */
+  /** The most triangles that their fronts may hold; `Infinity` for no limit. */
   maxTriangles: number;
+  /**
+   * The most bytes that their fronts may take: in the engine (`FrameStats.frontBytes`) and in buffers as long as
+   * `FrameUpdate` says, once in the page's memory and once on the graphics card. No update goes beyond it, unless the base meshes
+   * do. `Infinity` for no limit.
+   */
+  maxBytes: number;
   /** How long one call may take, milliseconds; what is left over goes on in the next call, worst pixels first. */
   deadlineMs: number;
 }
@@ -45,8 +51,54 @@ export interface Region {
   outsideError: number;
 }
 
+/** What a front can be coloured by, a number per vertex slot. */
+export type Shade =
+  /** How far the original surface may be from what is drawn there, mesh units. */
+  | "error"
+  /** Half angle of the normals of all that lies below, radians; π: all directions. */
+  | "cone"
+  /** Updates of the model (`FrameUpdate.frame`) since the slot was last written. */
+  | "age";
+
+/** A base mesh, before its model is open. Columns as in `VertexChanges` and `TriangleChanges`, without gaps. */
+export interface BaseMesh {
+  positions: Float32Array;
+  normals: Int16Array;
+  colors: Uint8Array;
+  triangles: Uint32Array;
+  /** Axis-parallel box of the base mesh, mesh units. */
+  min: Vec3;
+  max: Vec3;
+}
+
+/** How far opening is. */
+export interface OpenProgress {
+  /** Bytes so far, and of the whole where the server says so. */
+  loaded: number;
+  total: number | undefined;
+  /** Part of all that has to be done, fetching and checking; 1 once, when the model is open. Missing where nobody knows. */
+  fraction: number | undefined;
+}
+
+/** What is drawn in a triangle. Points and lengths in mesh space and units. */
+export interface Inspection {
+  /** The update that would replace it; `undefined` where it is one of the source's triangles. */
+  update: number | undefined;
+  /** How far the original surface may be from it. */
+  error: number;
+  /** Splits between it and the base mesh: of its finest corner. */
+  level: number;
+  /** Half angle of the normals of all that lies below, radians. */
+  coneAngle: number;
+  /** The sphere of the update, or around the triangle. */
+  center: Vec3;
+  radius: number;
+}
+
 /** Numbers of an opened model. Points and lengths in mesh units. */
 export interface ModelInfo {
+  /** Which model of multiresolution: `edge_collapse`, `right_triangles` and so on. */
+  model: string;
   /** Number of updates of the hierarchy. */
   updates: number;
   /** Size of the mesh that it was built from, after cleaning. */
@@ -61,6 +113,10 @@ export interface ModelInfo {
   up: Vec3;
   /** The error that is left with every update applied (quantization). */
   floorError: number;
+  /** The error of the base mesh. */
+  baseError: number;
+  /** Memory of the hierarchy in the engine, which all its fronts share. */
+  hierarchyBytes: number;
   hasColors: boolean;
   /** Bytes of the file, and how long reading it took, milliseconds, without the transfer. */
   bytes: number;
@@ -69,8 +125,9 @@ export interface ModelInfo {
 
 /** What one call of the engine did. */
 export interface FrameStats {
-  /** Triangles of the front. */
+  /** Triangles and vertices of the front. */
   triangles: number;
+  vertices: number;
   /** Updates applied and undone in this call. */
   refined: number;
   coarsened: number;
@@ -82,12 +139,16 @@ export interface FrameStats {
   gatherMs: number;
   /** Nothing is left to do for this view. */
   settled: boolean;
-  /** The triangle budget keeps the front from its tolerance. */
+  /** A budget of triangles or bytes keeps the front from its tolerance: `errorPx` is what it allows. */
   budgetBound: boolean;
+  /** It is the budget of bytes. */
+  byteBound: boolean;
   /** A bound on how wrong the front looks from here, pixels. */
   errorPx: number;
   /** Bytes to upload. */
   uploadBytes: number;
+  /** Memory of the front in the engine, bytes. */
+  frontBytes: number;
 }
 
 /**
@@ -114,11 +175,21 @@ export interface TriangleChanges {
 
 /** What a renderer has to write into its buffers after one call. The first one of a model holds every slot. */
 export interface FrameUpdate {
+  /** Counts the updates of a model, from 1. */
+  frame: number;
   /** Slots in use, free ones between them included: the length that the buffers need. */
   vertexSlots: number;
   triangleSlots: number;
+  /**
+   * How many slots the buffers are to have: some more than are in use, so that they need not grow with every update. Where they become
+   * shorter, the update holds every slot.
+   */
+  vertexCapacity: number;
+  triangleCapacity: number;
   vertices: VertexChanges;
   triangles: TriangleChanges;
+  /** What to colour by, where it was asked for and something changed: a number for each of the vertex slots. */
+  shade?: { by: Shade; values: Float32Array };
   stats: FrameStats;
 }
 

@@ -4,21 +4,24 @@ import { afterEach, expect, test, vi } from "vitest";
 import { MeshfrontClient, type WorkerPort } from "../src/client.js";
 import { serve, type Engine } from "../src/host.js";
 import type { ModelView, Port, Reply, Request } from "../src/protocol.js";
-import type { FrameUpdate, Limits, ModelInfo, View } from "../src/view.js";
+import type { BaseMesh, FrameUpdate, Limits, ModelInfo, OpenProgress, View } from "../src/view.js";
 
 const VIEW: View = {
   eye: [0, 0, 5], target: [0, 0, 0], up: [0, 1, 0], fovY: 1, width: 100, height: 100, near: 0.1,
   tolerancePx: 1, frustum: true, orientation: true,
 };
-const LIMITS: Limits = { maxTriangles: Infinity, deadlineMs: 5 };
-const at = (x: number): ModelView[] => [{ model: 7, view: { ...VIEW, eye: [x, 0, 5] } }];
+const LIMITS: Limits = { maxTriangles: Infinity, maxBytes: Infinity, deadlineMs: 5 };
+const at = (x: number): ModelView[] => [{ model: 7, views: [{ ...VIEW, eye: [x, 0, 5] }] }];
 
 const INFO = { updates: 3, bytes: 4 } as ModelInfo;
 
 function frameOf(view: View): FrameUpdate {
   return {
+    frame: 1,
     vertexSlots: 1,
     triangleSlots: 1,
+    vertexCapacity: 1,
+    triangleCapacity: 1,
     vertices: {
       ranges: Uint32Array.of(0, 1),
       positions: Float32Array.from(view.eye),
@@ -28,8 +31,8 @@ function frameOf(view: View): FrameUpdate {
     },
     triangles: { ranges: Uint32Array.of(0, 1), corners: new Uint32Array(3) },
     stats: {
-      triangles: 1, refined: 1, coarsened: 0, evaluations: 1, engineMs: 0, gatherMs: 0, settled: true, budgetBound: false,
-      errorPx: 0, uploadBytes: 33,
+      triangles: 1, vertices: 1, refined: 1, coarsened: 0, evaluations: 1, engineMs: 0, gatherMs: 0, settled: true,
+      budgetBound: false, byteBound: false, errorPx: 0, uploadBytes: 33, frontBytes: 100,
     },
   };
 }
@@ -47,21 +50,30 @@ function worker(engine: Partial<Engine> = {}, fetcher?: typeof fetch) {
   const channel = new MessageChannel();
   channels.push(channel);
   const views: View[] = [];
-  const open = vi.fn((bytes: Uint8Array, name: string) => {
+  const open = vi.fn((bytes: Uint8Array, name: string, onProgress: (part: number) => void) => {
     if (bytes[0] !== 77) throw Object.assign(new Error(`${name}: byte 0 is wrong`), { name: "damaged" });
+    onProgress(0.5);
+    onProgress(1);
     return { model: 7, info: INFO };
   });
-  const adapt = (asked: ModelView[]) => asked.map(({ view }) => {
-    views.push(view);
-    return frameOf(view);
+  const adapt = (asked: ModelView[]) => asked.map(({ views: [view] }) => {
+    views.push(view!);
+    return frameOf(view!);
   });
-  const flyBy = () => { throw new Error("no"); };
+  const no = () => { throw new Error("no"); };
   const close = vi.fn();
-  serve(channel.port2 as unknown as Port<Reply, Request>, async () => ({ open, adapt, flyBy, close, ...engine }), fetcher);
+  const rest = { duplicate: no, inspect: no, spheres: no, memory: () => 65536, flyBy: no };
+  const baseOf = (start: Uint8Array) => (start.length >= 3 ? BASE() : undefined);
+  const whole: Engine = { baseOf, open, adapt, close, ...rest, ...engine };
+  serve(channel.port2 as unknown as Port<Reply, Request>, async () => whole, fetcher);
   const port = channel.port1 as unknown as WorkerPort;
   port.terminate = vi.fn(() => channel.port1.close());
   return { client: new MeshfrontClient(() => port), views, open, close, port };
 }
+const BASE = (): BaseMesh => ({
+  positions: Float32Array.of(1, 2, 3), normals: new Int16Array(4), colors: new Uint8Array(0), triangles: new Uint32Array(3),
+  min: [1, 2, 3], max: [1, 2, 3],
+});
 const good = () => Uint8Array.of(77, 1, 2, 3).buffer;
 
 
@@ -81,11 +93,53 @@ test("opens an address, and tells how far it is", async () => {
     return new Response(good(), { headers: { "content-length": "4" } });
   }) as typeof fetch;
   const { client } = worker({}, fetcher);
-  const seen: number[] = [];
-  await client.open("a.front", { onProgress: (loaded) => seen.push(loaded) });
+  const seen: OpenProgress[] = [];
+  await client.open("a.front", { onProgress: (progress) => seen.push(progress) });
   vi.unstubAllGlobals();
   expect(asked).toEqual(["http://localhost/page/a.front"]);
-  expect(seen).toEqual([0, 4]);
+  expect(seen.map(({ loaded }) => loaded)).toEqual([0, 4, 4, 4, 4, 4]);
+  const fractions = seen.map(({ fraction }) => fraction!);
+  expect(fractions).toEqual([...fractions].sort((a, b) => a - b));
+  // The whole once, and last.
+  expect(fractions.filter((fraction) => fraction >= 1)).toEqual([1]);
+  expect(fractions.at(-1)).toBe(1);
+});
+
+test("the base mesh comes once, before the model, and before all of the file where it is slow", async () => {
+  vi.stubGlobal("document", { baseURI: "http://localhost/" });
+  let send = (_: number[]) => {};
+  let end = () => {};
+  const body = new ReadableStream({
+    start(controller) {
+      send = (bytes) => controller.enqueue(Uint8Array.from(bytes));
+      end = () => controller.close();
+    },
+  });
+  const { client, open } = worker({}, async () => new Response(body));
+  await client.open(good());
+  const bases: BaseMesh[] = [];
+  const opening = client.open("slow.front", { onBase: (base) => bases.push(base) });
+  send([77, 1]);
+  await new Promise((soon) => setTimeout(soon, 20));
+  expect(bases).toHaveLength(0);
+  send([2]);
+  await vi.waitFor(() => expect(bases).toHaveLength(1));
+  expect(bases[0]!.positions).toEqual(Float32Array.of(1, 2, 3));
+  expect(open).toHaveBeenCalledTimes(1);
+  send([3, 4, 5]);
+  end();
+  await opening;
+  expect(bases).toHaveLength(1);
+  vi.unstubAllGlobals();
+});
+
+test("what breaks down is told to the one who asked", async () => {
+  const { client } = worker();
+  await client.open(good());
+  await expect(client.memory()).resolves.toBe(65536);
+  await expect(client.inspect(7, 1, 0)).rejects.toMatchObject({ kind: "engine", message: "no" });
+  await expect(client.spheres(7, 10)).rejects.toMatchObject({ kind: "engine" });
+  await expect(client.duplicate(7)).rejects.toMatchObject({ kind: "engine" });
 });
 
 test("what the reader throws keeps its kind and its words, and others can be opened", async () => {
@@ -123,7 +177,7 @@ test("an engine that breaks down fails the call, not the line", async () => {
   const { client } = worker({
     adapt: (views) => {
       if (broken) throw new WebAssembly.RuntimeError("unreachable");
-      return views.map(({ view }) => frameOf(view));
+      return views.map(({ views: [view] }) => frameOf(view!));
     },
   });
   await client.open(good());

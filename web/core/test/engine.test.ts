@@ -5,23 +5,33 @@ import { expect, test } from "vitest";
 import { applyRanges } from "../src/apply.js";
 import { startEngine } from "../src/engine.js";
 import { MeshfrontError } from "../src/errors.js";
-import type { FrameUpdate, ModelInfo, Region, View } from "../src/view.js";
+import type { Engine } from "../src/host.js";
+import type { FrameUpdate, ModelInfo, Region, Shade, View } from "../src/view.js";
 
 const module = readFileSync(new URL("../wasm/meshfront_wasm_bg.wasm", import.meta.url));
 const front = readFileSync(new URL("../../../testdata/front/v1-knot-lossless-painted.front", import.meta.url));
 
+const nobody = () => {};
+
 /** One model in an engine of its own. */
 interface Alone {
+  engine: Engine;
+  model: number;
   info: ModelInfo;
-  adapt(view: View, maxTriangles?: number, deadlineMs?: number): FrameUpdate;
+  adapt(view: View | View[], maxTriangles?: number, deadlineMs?: number, maxBytes?: number, shade?: Shade): FrameUpdate;
 }
 async function load(bytes: Uint8Array): Promise<Alone> {
   const engine = await startEngine(module);
-  const { model, info } = engine.open(bytes, "scan");
+  const { model, info } = engine.open(bytes, "scan", nobody);
   return {
+    engine,
+    model,
     info,
-    adapt: (view, maxTriangles = Infinity, deadlineMs = Infinity) =>
-      engine.adapt([{ model, view }], { maxTriangles, deadlineMs })[0]!,
+    adapt: (view, maxTriangles = Infinity, deadlineMs = Infinity, maxBytes = Infinity, shade) =>
+      engine.adapt(
+        [{ model, views: [view].flat(), ...(shade ? { shade } : {}) }],
+        { maxTriangles, maxBytes, deadlineMs },
+      )[0]!,
   };
 }
 
@@ -165,11 +175,11 @@ test("a file that is cut off or altered is damaged, wherever", async () => {
 
 test("models share a budget: the one that looks worse gets more of it", async () => {
   const engine = await startEngine(module);
-  const [near, far] = [engine.open(front, "near"), engine.open(front, "far")];
+  const [near, far] = [engine.open(front, "near", nobody), engine.open(front, "far", nobody)];
   const look = (distances: [number, number], maxTriangles: number) =>
     engine.adapt(
-      [near, far].map(({ model, info }, i) => ({ model, view: lookAt({ info }, [0, 0, 1], distances[i]!, 0.05) })),
-      { maxTriangles, deadlineMs: Infinity },
+      [near, far].map(({ model, info }, i) => ({ model, views: [lookAt({ info }, [0, 0, 1], distances[i]!, 0.05)] })),
+      { maxTriangles, maxBytes: Infinity, deadlineMs: Infinity },
     ).map(({ stats }) => stats);
   const free = look([1.5, 6], Infinity);
   const limit = Math.round(0.6 * (free[0]!.triangles + free[1]!.triangles));
@@ -182,7 +192,152 @@ test("models share a budget: the one that looks worse gets more of it", async ()
   const [c, d] = look([6, 1.5], limit);
   expect(d!.triangles).toBeGreaterThan(c!.triangles);
   engine.close(near.model);
-  const alone = engine.adapt([{ model: far.model, view: lookAt(far, [0, 0, 1], 1.5, 0.05) }], { maxTriangles: limit, deadlineMs: Infinity });
+  const alone = engine.adapt(
+    [{ model: far.model, views: [lookAt(far, [0, 0, 1], 1.5, 0.05)] }],
+    { maxTriangles: limit, maxBytes: Infinity, deadlineMs: Infinity },
+  );
   expect(alone[0]!.stats.triangles).toBeGreaterThan(d!.triangles);
   expect(() => engine.flyBy(near.model)).toThrow("no such model");
+});
+
+test("the base mesh is there with the first bytes, and no sooner", async () => {
+  const { engine, info } = await load(front);
+  let reaches = front.length;
+  for (let length = 0; length < front.length; length++) {
+    const base = engine.baseOf(front.subarray(0, length));
+    if (!base) continue;
+    reaches = length;
+    expect(base.triangles).toHaveLength(3 * info.baseTriangles);
+    expect(base.normals).toHaveLength((base.positions.length / 3) * 4);
+    expect(base.colors).toHaveLength((base.positions.length / 3) * 4);
+    expect(Math.max(...base.triangles)).toBe(base.positions.length / 3 - 1);
+    base.min.forEach((low, axis) => expect(low).toBeGreaterThanOrEqual(info.min[axis]! - 1e-6));
+    break;
+  }
+  expect(reaches).toBeGreaterThan(100);
+  expect(reaches).toBeLessThan(0.2 * front.length);
+  // The base mesh of a front, corner by corner.
+  const untouched = (await load(front)).adapt({ ...lookAt({ info }, [0, 0, 1], 2), tolerancePx: 1e9 });
+  const base = engine.baseOf(front)!;
+  expect([...untouched.triangles.corners]).toEqual([...base.triangles]);
+  expect([...untouched.vertices.positions]).toEqual([...base.positions]);
+});
+
+test("opening tells how far it is, and ends", async () => {
+  const engine = await startEngine(module);
+  const parts: number[] = [];
+  engine.open(front, "scan", (part) => parts.push(part));
+  expect(parts.length).toBeGreaterThan(1);
+  expect(parts).toEqual([...parts].sort((a, b) => a - b));
+  expect(parts.at(-1)).toBeLessThanOrEqual(1);
+});
+
+test("of several cameras the finest counts everywhere", async () => {
+  const [left, right, both] = [await load(front), await load(front), await load(front)];
+  const [a, b] = [lookAt(left, [-1, 0, 0], 1.2, 6), lookAt(left, [1, 0, 0], 1.2, 6)];
+  const [of_a, of_b] = [left.adapt(a).stats.triangles, right.adapt(b).stats.triangles];
+  const of_both = both.adapt([a, b]).stats;
+  expect(of_both.triangles).toBeGreaterThan(Math.max(of_a, of_b));
+  expect(of_both).toMatchObject({ settled: true });
+  // Neither of them alone wants anything more.
+  for (const view of [a, b]) {
+    const alone = await load(front);
+    alone.adapt([a, b]);
+    expect(alone.adapt(view).stats.refined).toBe(0);
+  }
+});
+
+test("a cap of bytes is never exceeded, and fronts come to rest under it", async () => {
+  const scan = await load(front);
+  const view = lookAt(scan, [0, 0, 1], 1.5, 0.01);
+  const bytesOf = ({ stats, vertexCapacity, triangleCapacity }: FrameUpdate) =>
+    stats.frontBytes + 2 * (vertexCapacity * 29 + triangleCapacity * 12);
+  const free = scan.adapt(view);
+  const base = bytesOf((await load(front)).adapt({ ...view, tolerancePx: 1e9 }));
+  const whole = bytesOf(free);
+  for (const part of [0.9, 0.4, 0.7, 0.25]) {
+    const cap = base + part * (whole - base);
+    const mirror = new Mirror();
+    let calls = 0;
+    let last: FrameUpdate | undefined;
+    // Around the model, then at rest: what was found once is kept.
+    for (let settled = false, turn = 0; !settled || turn < 13; turn++) {
+      const eye = turn < 12 ? lookAt(scan, [Math.sin(turn), 0.2, Math.cos(turn)], 1.5, 0.01) : view;
+      last = scan.adapt(eye, Infinity, Infinity, cap);
+      mirror.apply(last);
+      expect(bytesOf(last)).toBeLessThanOrEqual(cap);
+      settled = last.stats.settled;
+      expect(calls++).toBeLessThan(60);
+    }
+    expect(last!.stats).toMatchObject({ budgetBound: true, byteBound: true });
+    expect(last!.stats.triangles).toBeLessThan(free.stats.triangles);
+    expect(bytesOf(last!)).toBeGreaterThan(0.6 * cap);
+    expect(scan.adapt(view, Infinity, Infinity, cap).stats).toMatchObject({ settled: true, refined: 0, coarsened: 0 });
+    expect(mirror.triangles()).toHaveLength(last!.stats.triangles);
+  }
+  // Without the cap everything comes back.
+  expect(scan.adapt(view).stats).toMatchObject({ triangles: free.stats.triangles, byteBound: false });
+});
+
+test("what is drawn can be asked for, as long as it is drawn", async () => {
+  const { engine, model, info, adapt } = await load(front);
+  const coarse = adapt(lookAt({ info }, [0, 0, 1], 6, 4), Infinity, Infinity, Infinity, "error");
+  const { values } = coarse.shade!;
+  expect(values).toHaveLength(coarse.vertexSlots);
+  const mirror = new Mirror();
+  mirror.apply(coarse);
+  for (let t = 0; t < coarse.triangleSlots; t++) {
+    const [a, b, c] = mirror.corners.subarray(3 * t, 3 * t + 3) as unknown as [number, number, number];
+    const found = engine.inspect(model, coarse.frame, t);
+    if (a === b) {
+      expect(found).toBeUndefined();
+      continue;
+    }
+    // Of the triangles around a vertex the worst counts.
+    expect(Math.min(values[a]!, values[b]!, values[c]!)).toBeGreaterThanOrEqual(found!.error);
+    expect(found!.error).toBeGreaterThanOrEqual(info.floorError);
+    expect(found!.error).toBeLessThanOrEqual(info.baseError);
+    const centroid = [0, 1, 2].map((axis) => ([a, b, c].reduce((sum, v) => sum + mirror.positions[3 * v + axis]!, 0)) / 3);
+    const away = Math.hypot(...centroid.map((x, axis) => x - found!.center[axis]!));
+    expect(away).toBeLessThanOrEqual(found!.radius * 1.001);
+  }
+  const spheres = engine.spheres(model, 20);
+  expect(spheres).toHaveLength(80);
+  const fine = adapt({ ...lookAt({ info }, [0, 0, 1], 1, 0), orientation: false, frustum: false });
+  expect(engine.inspect(model, coarse.frame, 0)).toBeUndefined();
+  // Nothing is left that could be replaced: what is drawn is the source.
+  const drawn = Array.from({ length: fine.triangleSlots }, (_, t) => engine.inspect(model, fine.frame, t)).filter(Boolean);
+  expect(drawn).toHaveLength(info.sourceTriangles);
+  expect(drawn.every((found) => found!.update === undefined && found!.error === info.floorError)).toBe(true);
+  expect(engine.spheres(model, 20)).toHaveLength(0);
+});
+
+test("ages and cones are columns of every slot", async () => {
+  const { info, adapt } = await load(front);
+  const near = lookAt({ info }, [0, 0, 1], 2, 1);
+  const first = adapt(near, Infinity, Infinity, Infinity, "age");
+  expect(new Set(first.shade!.values)).toEqual(new Set([0]));
+  const second = adapt(lookAt({ info }, [0, 0, 1], 1.5, 1), Infinity, Infinity, Infinity, "age");
+  expect(new Set(second.shade!.values)).toEqual(new Set([0, 1]));
+  // Nothing changed, nothing to send.
+  expect(adapt(lookAt({ info }, [0, 0, 1], 1.5, 1), Infinity, Infinity, Infinity, "age").shade).toBeUndefined();
+  const cones = adapt(lookAt({ info }, [0, 0, 1], 1.5, 1), Infinity, Infinity, Infinity, "cone").shade!;
+  expect(cones.values).toHaveLength(second.vertexSlots);
+  expect(Math.max(...cones.values)).toBeLessThanOrEqual(Math.fround(Math.PI));
+  expect(Math.max(...cones.values)).toBeGreaterThan(0.1);
+});
+
+test("two fronts of one model share its hierarchy and nothing else", async () => {
+  const { engine, model, info, adapt } = await load(front);
+  const before = engine.memory();
+  const twin = engine.duplicate(model);
+  expect(twin.info).toMatchObject({ sourceTriangles: info.sourceTriangles, hierarchyBytes: info.hierarchyBytes });
+  const near = adapt(lookAt({ info }, [0, 0, 1], 1.5, 0.1)).stats.triangles;
+  const limits = { maxTriangles: Infinity, maxBytes: Infinity, deadlineMs: Infinity };
+  const far = engine.adapt([{ model: twin.model, views: [lookAt({ info }, [0, 0, 1], 40, 1)] }], limits)[0]!.stats.triangles;
+  expect(far).toBeLessThan(near);
+  engine.close(model);
+  const stays = engine.adapt([{ model: twin.model, views: [lookAt({ info }, [0, 0, 1], 1.5, 0.1)] }], limits)[0]!;
+  expect(stays.stats.triangles).toBe(near);
+  expect(engine.memory()).toBeLessThan(before + info.hierarchyBytes + 4e6);
 });

@@ -1,5 +1,6 @@
-import { MeshfrontClient, MeshfrontError, type FrameStats, type View, type WorkerPort } from "@meshfront/core";
-import type { Client, Frame, Shade, Stats } from "./contract.js";
+import {
+  MeshfrontClient, MeshfrontError, type FrameStats, type FrameUpdate, type Shade, type View, type WorkerPort,
+} from "@meshfront/core";
 import { sameView } from "./view.js";
 
 /** What an object wants its front to be. */
@@ -17,10 +18,10 @@ export interface Member {
   /** What its front is to be; `undefined`: as it is. */
   wanted(): Wanted | undefined;
   /** What its last answer said, and to what. */
-  readonly last: { wanted: Wanted; stats: Stats } | undefined;
+  readonly last: { wanted: Wanted; stats: FrameStats } | undefined;
   /** Bytes of its buffers. */
   readonly bufferBytes: number;
-  apply(frame: Frame, wanted: Wanted): void;
+  apply(frame: FrameUpdate, wanted: Wanted): void;
   fail(error: MeshfrontError): void;
 }
 
@@ -28,7 +29,10 @@ export interface Member {
 export interface BudgetOptions {
   /** The most triangles that all fronts together may hold; no limit by default. */
   maxTriangles?: number;
-  /** The most bytes that all fronts together may take: in the engine and in buffers. No limit by default. */
+  /**
+   * The most bytes that all fronts together may take: in the engine, and in buffers, once in memory and once on the graphics
+   * card. Hierarchies do not count. No limit by default.
+   */
   maxBytes?: number;
   /** Time in the worker per update, milliseconds; 6 by default. */
   deadlineMs?: number;
@@ -56,6 +60,7 @@ export class MeshfrontBudget {
   private readonly members = new Set<Member>();
   private asked: { members: Member[]; maxTriangles: number; maxBytes: number } | undefined;
   private inFlight = false;
+  private again = false;
   private broken = false;
 
   constructor(options: BudgetOptions = {}) {
@@ -70,8 +75,12 @@ export class MeshfrontBudget {
     return !this.inFlight && this.isSettled(this.jobs());
   }
 
-  /** Asks for the fronts of the objects' present views, where there is something to ask for. */
+  /**
+   * Asks for the fronts of the objects' present views, where there is something to ask for. While an answer is on its way, it asks
+   * when that is there.
+   */
   update(): void {
+    this.again = this.inFlight;
     if (this.inFlight || this.broken) return;
     const jobs = this.jobs();
     if (jobs.length > 0 && !this.isSettled(jobs)) void this.adapt(jobs);
@@ -79,7 +88,7 @@ export class MeshfrontBudget {
 
   /** Bytes: of the engine, hierarchies and fronts of all models included; and of the buffers of all objects. */
   async memory(): Promise<{ engineBytes: number; bufferBytes: number }> {
-    const engineBytes = (await (this.client as Client).memory?.()) ?? 0;
+    const engineBytes = await this.client.memory();
     return { engineBytes, bufferBytes: [...this.members].reduce((sum, { bufferBytes }) => sum + bufferBytes, 0) };
   }
 
@@ -121,7 +130,7 @@ export class MeshfrontBudget {
     const { maxTriangles, maxBytes, deadlineMs } = this;
     const limits = { maxTriangles, maxBytes, deadlineMs };
     try {
-      const views = jobs.map(({ model, wanted: { views, shade } }) => ({ model, view: views[0]!, views, ...(shade ? { shade } : {}) }));
+      const views = jobs.map(({ model, wanted: { views, shade } }) => ({ model, views, ...(shade ? { shade } : {}) }));
       const frames = await this.client.adapt(views, limits);
       this.asked = { members: jobs.map(({ member }) => member), maxTriangles, maxBytes };
       frames?.forEach((frame, i) => {
@@ -135,7 +144,7 @@ export class MeshfrontBudget {
       this.inFlight = false;
     }
     // Drawing may be slower than the engine: the worker need not wait for the next frame to go on.
-    if (jobs.some(({ member }) => member.last?.stats.settled === false)) this.update();
+    if (this.again || jobs.some(({ member }) => member.last?.stats.settled === false)) this.update();
   }
 }
 
@@ -153,10 +162,12 @@ export function sameWanted(a: Wanted, b: Wanted): boolean {
 /** The statistics of several fronts as if they were one. */
 export function totalStats(all: FrameStats[]): FrameStats | undefined {
   if (all.length === 0) return undefined;
-  const sum = (key: "triangles" | "refined" | "coarsened" | "evaluations" | "gatherMs" | "uploadBytes") =>
-    all.reduce((total, stats) => total + stats[key], 0);
+  type Summed = "triangles" | "vertices" | "frontBytes" | "refined" | "coarsened" | "evaluations" | "gatherMs" | "uploadBytes";
+  const sum = (key: Summed) => all.reduce((total, stats) => total + stats[key], 0);
   return {
     triangles: sum("triangles"),
+    vertices: sum("vertices"),
+    frontBytes: sum("frontBytes"),
     refined: sum("refined"),
     coarsened: sum("coarsened"),
     evaluations: sum("evaluations"),
@@ -166,6 +177,7 @@ export function totalStats(all: FrameStats[]): FrameStats | undefined {
     engineMs: Math.max(...all.map(({ engineMs }) => engineMs)),
     settled: all.every(({ settled }) => settled),
     budgetBound: all.some(({ budgetBound }) => budgetBound),
+    byteBound: all.some(({ byteBound }) => byteBound),
     errorPx: Math.max(...all.map(({ errorPx }) => errorPx)),
   };
 }

@@ -1,6 +1,5 @@
-import { applyRanges, type Vec3 } from "@meshfront/core";
+import { applyRanges, type BaseMesh, type FrameUpdate, type Vec3 } from "@meshfront/core";
 import { Box3, BufferAttribute, BufferGeometry, DynamicDrawUsage, Sphere, Vector3 } from "three";
-import type { BaseMesh, Frame } from "./contract.js";
 
 type Column = Float32Array | Int16Array | Uint8Array | Uint16Array | Uint32Array;
 
@@ -59,6 +58,9 @@ function setBounds(geometry: BufferGeometry, box: Box3, margin: number): void {
   geometry.boundingSphere.radius += margin;
 }
 
+/** What a frame says of slots. */
+export type Slots = Omit<FrameUpdate, "frame" | "stats">;
+
 /** Shows the base mesh, until the first frame takes its place. */
 export function applyBase(geometry: BufferGeometry, base: BaseMesh): void {
   const [vertices, triangles] = [base.positions.length / 3, base.triangles.length / 3];
@@ -74,7 +76,7 @@ export function applyBase(geometry: BufferGeometry, base: BaseMesh): void {
 }
 
 /** Writes what changed into the attributes and marks just that for upload; makes them as long as the frame says. */
-export function applyFrame(geometry: BufferGeometry, frame: Omit<Frame, "stats">): void {
+export function applyFrame(geometry: BufferGeometry, frame: Slots): void {
   const { vertices, triangles } = frame;
   reserve(geometry, frame);
   write(attribute(geometry, "position"), vertices.ranges, vertices.positions);
@@ -133,26 +135,19 @@ function write(target: BufferAttribute, ranges: Uint32Array, packed: Column, slo
   target.needsUpdate = true;
 }
 
-/** A frame whose capacity is another holds every slot where that is less than before. */
-function reserve(geometry: BufferGeometry, frame: Omit<Frame, "stats">): void {
-  const { vertexSlots, triangleSlots } = frame;
-  const [vertices, indices] = [attribute(geometry, "position").count, geometry.index!.count];
-  const vertexCapacity = frame.vertexCapacity ?? (vertices >= vertexSlots ? vertices : grown(vertexSlots));
-  const indexCapacity = 3 * (frame.triangleCapacity ?? (indices >= 3 * triangleSlots ? indices / 3 : grown(triangleSlots)));
-  if (vertices === vertexCapacity && indices === indexCapacity) return;
+/** A frame that makes buffers shorter holds every slot. */
+function reserve(geometry: BufferGeometry, { vertexCapacity, triangleCapacity }: Slots): void {
+  const isLong = attribute(geometry, "position").count === vertexCapacity;
+  const isIndexLong = geometry.index!.count === 3 * triangleCapacity;
+  if (isLong && isIndexLong) return;
   // Frees the buffers on the graphics card; those of the new attributes are made when they are first drawn.
   geometry.dispose();
-  if (vertices !== vertexCapacity) {
+  if (!isLong) {
     for (const name of Object.keys(geometry.attributes)) {
       geometry.setAttribute(name, resized(attribute(geometry, name), vertexCapacity));
     }
   }
-  if (indices !== indexCapacity) geometry.setIndex(resized(geometry.index!, indexCapacity));
-}
-
-/** Half as much again: fronts grow over many frames, and every growth uploads everything. */
-function grown(slots: number): number {
-  return Math.ceil(slots * 1.5);
+  if (!isIndexLong) geometry.setIndex(resized(geometry.index!, 3 * triangleCapacity));
 }
 
 function resized(old: BufferAttribute, count: number): BufferAttribute {

@@ -1,6 +1,7 @@
-export { MeshfrontError, type FrameStats, type ModelInfo, type Region } from "@meshfront/core";
+export {
+  MeshfrontError, type BaseMesh, type FrameStats, type Inspection, type ModelInfo, type OpenProgress, type Region, type Shade,
+} from "@meshfront/core";
 export { MeshfrontBudget, totalStats, type BudgetOptions } from "./budget.js";
-export type { BaseMesh, Inspection, Shade } from "./contract.js";
 export {
   defaultScale, levelMaterial, RAMP, RAMP_CSS, shadeMaterial, TOP_LEVEL, type Scale, type ShadeBy, type ShadeMaterial,
 } from "./materials.js";

@@ -1,5 +1,5 @@
+import type { Shade } from "@meshfront/core";
 import { Color, MeshStandardMaterial, type MeshStandardMaterialParameters, Vector4 } from "three";
-import type { Shade } from "./contract.js";
 
 /**
  * From low to high, as seen (sRGB): blue over green to yellow, evenly spaced on a helix in Oklab (Ottosson 2020; lightness 0.45

@@ -1,11 +1,13 @@
-import { MeshfrontError, type ClientModel, type FlyByReport, type ModelInfo, type Region } from "@meshfront/core";
+import {
+  MeshfrontError, type BaseMesh, type ClientModel, type FlyByReport, type FrameStats, type FrameUpdate, type Inspection,
+  type ModelInfo, type OpenProgress, type Region, type Shade,
+} from "@meshfront/core";
 import {
   type BufferGeometry, type Camera, FrontSide, type Intersection, type Material, Mesh, MeshStandardMaterial,
-  type Object3DEventMap, Matrix4, type Raycaster, Sphere, Triangle, Vector2, Vector3, type WebGLRenderer,
+  Object3D, type Object3DEventMap, Matrix4, type Raycaster, Sphere, Triangle, Vector2, Vector3, type WebGLRenderer,
 } from "three";
 import { MeshfrontBudget, sameWanted, type Member, type Wanted } from "./budget.js";
 import { applyBase, applyFrame, bufferBytes, dropShade, frontGeometry, outline } from "./buffers.js";
-import type { BaseMesh, Client, Frame, Info, Inspection, Shade, Stats } from "./contract.js";
 import { hits } from "./raycast.js";
 import { meshView, type Resolution } from "./view.js";
 
@@ -29,12 +31,9 @@ export interface MeshfrontOptions {
 
 /** What a `MeshfrontObject` dispatches beside the events of every object. */
 export interface MeshfrontEventMap extends Object3DEventMap {
-  /**
-   * The file is arriving, then checked: bytes, and a fraction of all the work, which is 1 once and at the end. `total` and
-   * `fraction` are missing where the server does not say how much there is.
-   */
-  "load-progress": { loaded: number; total: number | undefined; fraction: number | undefined };
-  /** The base mesh is shown, while the rest still arrives or is checked. Not for files that are read at once. */
+  /** The file is arriving, or is checked. `fraction` is 1 once, when all is done. */
+  "load-progress": OpenProgress;
+  /** The base mesh is shown, while the rest still arrives or is checked. Terrains have none. */
   "load-base": { base: BaseMesh };
   /** The model is open: from here on it follows its cameras. */
   load: { info: ModelInfo };
@@ -43,7 +42,7 @@ export interface MeshfrontEventMap extends Object3DEventMap {
   /** What is drawn changed: draw a frame. */
   "needs-update": object;
   /** The front has become all that its cameras ask for, as far as the budget allows: once, after it was not. */
-  "front-settled": { stats: Stats };
+  "front-settled": { stats: FrameStats };
 }
 
 const size = new Vector2();
@@ -92,7 +91,7 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
 
   private opened: ClientModel | undefined;
   private readonly cameras = new Map<Camera, Resolution>();
-  private last: { wanted: Wanted; stats: Stats } | undefined;
+  private last: { wanted: Wanted; stats: FrameStats } | undefined;
   private frame: number | undefined;
   private announced = false;
   private vertexSlots = 0;
@@ -102,14 +101,18 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
   private readonly closing = new AbortController();
   private readonly member: Member;
 
-  /** Starts loading a `.front` file: an address, or its bytes (handed over; the buffer is empty afterwards). */
-  constructor(source: string | URL | ArrayBuffer, options: MeshfrontOptions = {}) {
+  /**
+   * Starts loading a `.front` file: an address, or its bytes (handed over; the buffer is empty afterwards). Another object is shown
+   * once more, with a front of its own: they share the hierarchy, the worker and the budget, which lasts as long as the first.
+   */
+  constructor(source: string | URL | ArrayBuffer | MeshfrontObject, options: MeshfrontOptions = {}) {
     const own = options.material ? undefined : new MeshStandardMaterial({ color: 0xd9d0c5, roughness: 0.75 });
     super(frontGeometry(), options.material ?? own);
     this.ownMaterial = own;
     this.tolerancePx = options.tolerancePx ?? 1;
-    this.ownsBudget = options.budget === undefined;
-    this.budget = options.budget ?? new MeshfrontBudget(options);
+    const budget = source instanceof MeshfrontObject ? source.budget : options.budget;
+    this.ownsBudget = budget === undefined;
+    this.budget = budget ?? new MeshfrontBudget(options);
     this.member = this.asMember();
     this.budget.join(this.member);
     this.name = options.name ?? "";
@@ -124,7 +127,7 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
   }
 
   /** What the last answer of the engine said. */
-  get stats(): Stats | undefined {
+  get stats(): FrameStats | undefined {
     return this.last?.stats;
   }
 
@@ -250,7 +253,7 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
    */
   async inspect(faceIndex: number): Promise<Inspection | undefined> {
     if (!this.opened || this.frame === undefined) return undefined;
-    return (this.budget.client as Client).inspect?.(this.opened.model, this.frame, faceIndex);
+    return this.budget.client.inspect(this.opened.model, this.frame, faceIndex);
   }
 
   /**
@@ -258,7 +261,7 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
    * `most` updates at most.
    */
   async spheres(most: number): Promise<Float32Array> {
-    return (this.opened && (await (this.budget.client as Client).spheres?.(this.opened.model, most))) ?? new Float32Array();
+    return this.opened ? this.budget.client.spheres(this.opened.model, most) : new Float32Array();
   }
 
   /** Ends its worker, unless others share it, and frees the buffers; a material that was given is the caller's. */
@@ -277,16 +280,25 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
     return this.opened && this.budget.client.flyBy(this.opened.model);
   }
 
-  private async open(source: string | URL | ArrayBuffer, name: string | undefined): Promise<ModelInfo> {
+  /** Another object of the same model, with the same material and qualities. It follows no camera yet. */
+  override clone(recursive = true): this {
+    const { material, tolerancePx } = this;
+    const twin = new MeshfrontObject(this, this.ownMaterial === material ? { tolerancePx } : { tolerancePx, material });
+    for (const key of ["cullFrustum", "cullOrientation", "region", "frozen", "shade"] as const) twin[key as never] = this[key] as never;
+    // A mesh would take the other's geometry as well.
+    return Object3D.prototype.copy.call(twin, this, recursive) as this;
+  }
+
+  private async open(source: string | URL | ArrayBuffer | MeshfrontObject, name: string | undefined): Promise<ModelInfo> {
     try {
-      const opened = await this.budget.client.open(source, {
-        onProgress: (loaded: number, total: number | undefined) => this.dispatchEvent({ type: "load-progress", loaded, total, fraction: undefined }),
-        onBase: (base: BaseMesh) => this.showBase(base),
+      const opened = source instanceof MeshfrontObject ? await this.twin(source) : await this.budget.client.open(source, {
+        onProgress: (progress) => this.dispatchEvent({ type: "load-progress", ...progress }),
+        onBase: (base) => this.showBase(base),
         signal: this.closing.signal,
         ...(name === undefined ? {} : { name }),
-      } as Parameters<MeshfrontBudget["client"]["open"]>[1]);
+      });
       this.opened = opened;
-      outline(this.geometry, opened.info as Info);
+      outline(this.geometry, opened.info);
       this.useColors(opened.info.hasColors);
       this.dispatchEvent({ type: "load", info: opened.info });
       return opened.info;
@@ -295,6 +307,15 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
       if (this.ownsBudget) this.budget.dispose();
       throw this.report(thrown);
     }
+  }
+
+  private async twin(source: MeshfrontObject): Promise<ClientModel> {
+    await source.ready;
+    const { client } = this.budget;
+    const twin = source.opened && (await client.duplicate(source.opened.model));
+    if (twin && !this.closing.signal.aborted) return twin;
+    if (twin) client.close(twin.model);
+    throw new MeshfrontError("closed", "the model was closed");
   }
 
   private showBase(base: BaseMesh): void {
@@ -318,7 +339,7 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
       get model() { return object.opened?.model; },
       get last() { return object.last; },
       get bufferBytes() { return object.bufferBytes; },
-      wanted: () => (object.frozen ? undefined : object.wanted()),
+      wanted: () => (object.frozen ? object.recolored() : object.wanted()),
       apply: (frame, wanted) => object.apply(frame, wanted),
       fail(error: MeshfrontError) {
         object.opened = undefined;
@@ -327,7 +348,7 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
     };
   }
 
-  private apply(frame: Frame, wanted: Wanted): void {
+  private apply(frame: FrameUpdate, wanted: Wanted): void {
     const { stats, vertices, triangles } = frame;
     const shade = frame.shade?.by === this.column ? frame.shade : undefined;
     applyFrame(this.geometry, { ...frame, shade });
@@ -348,6 +369,11 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
     const error = MeshfrontError.from(thrown);
     if (!this.closing.signal.aborted) this.dispatchEvent({ type: "load-error", error });
     return error;
+  }
+
+  /** What it was made for, in other colours: a frozen front can be looked at that way, too. */
+  private recolored(): Wanted | undefined {
+    return this.last && this.last.wanted.shade !== this.column ? { ...this.last.wanted, shade: this.column } : undefined;
   }
 
   private wanted(): Wanted | undefined {

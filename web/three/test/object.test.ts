@@ -1,6 +1,6 @@
 /** Objects on the real engine, without a picture. */
 
-import { DoubleSide, MeshBasicMaterial, OrthographicCamera, PerspectiveCamera, Vector3 } from "three";
+import { DoubleSide, MeshBasicMaterial, OrthographicCamera, PerspectiveCamera, Raycaster, Vector2, Vector3 } from "three";
 import { afterEach, expect, test, vi } from "vitest";
 import type { MeshfrontBudget } from "../src/budget.js";
 import { MeshfrontObject, type MeshfrontOptions } from "../src/object.js";
@@ -32,6 +32,31 @@ function cameraAt(object: MeshfrontObject, direction: [number, number, number], 
 async function settle(object: MeshfrontObject): Promise<void> {
   for (object.update(); !object.settled; object.update()) await new Promise((soon) => setTimeout(soon, 2));
 }
+
+test("several cameras: the finest counts, and one that goes is not looked through any more", async () => {
+  const object = await open();
+  const [far, near] = [cameraAt(object, [0, 0, 1], 20), cameraAt(object, [0.1, 0, 1], 2)];
+  expect(object.setCamera(far)).toBe(true);
+  expect(object.setCamera(far)).toBe(false);
+  object.update();
+  expect(object.settled).toBe(false);
+  object.setResolution(far, 300, 300);
+  await settle(object);
+  const coarse = object.stats!.triangles;
+  object.setResolution(near, 300, 300);
+  await settle(object);
+  const fine = object.stats!.triangles;
+  expect(fine).toBeGreaterThan(1.2 * coarse);
+  expect(object.deleteCamera(far)).toBe(true);
+  await settle(object);
+  expect(object.stats!.triangles).toBeLessThanOrEqual(fine);
+  object.setCamera(far);
+  object.setResolution(far, 300, 300);
+  expect(object.deleteCamera(near)).toBe(true);
+  expect(object.hasCamera(near)).toBe(false);
+  await settle(object);
+  expect(object.stats!.triangles).toBe(coarse);
+});
 
 test("settled is told once, and again after the front was not", async () => {
   const object = await open();
@@ -83,7 +108,7 @@ test("backs are coarse only where nobody sees them: neither by the material, nor
   const adapt = vi.spyOn(object.budget.client, "adapt");
   const isCulled = async (): Promise<boolean> => {
     await settle(object);
-    return adapt.mock.lastCall![0][0]!.view.orientation;
+    return adapt.mock.lastCall![0][0]!.views[0]!.orientation;
   };
   expect(await isCulled()).toBe(true);
   object.castShadow = true;
@@ -133,4 +158,95 @@ test("the geometry is the same from the first moment on, and is freed in the end
   expect(freed).toHaveBeenCalled();
   expect(freedMaterial).toHaveBeenCalled();
   object.update();
+});
+
+test("the base mesh is drawn before the model is open, and progress ends with 1, once", async () => {
+  const budget = localBudget();
+  budgets.push(budget);
+  const object = new MeshfrontObject(fixture("v1-scan-16-bits"), { budget });
+  const told: string[] = [];
+  const fractions: (number | undefined)[] = [];
+  object.addEventListener("load-base", ({ base }) => {
+    told.push("base");
+    expect(object.geometry.drawRange.count).toBe(base.triangles.length);
+    expect(object.geometry.boundingSphere!.radius).toBeGreaterThan(0);
+    expect(object.info).toBeUndefined();
+  });
+  object.addEventListener("needs-update", () => told.push("draw"));
+  object.addEventListener("load", () => told.push("load"));
+  object.addEventListener("load-progress", ({ fraction }) => fractions.push(fraction));
+  const info = await object.ready;
+  expect(told).toEqual(["base", "draw", "load"]);
+  expect(object.geometry.drawRange.count).toBe(3 * info.baseTriangles);
+  expect(fractions.filter((fraction) => fraction === 1)).toHaveLength(1);
+  expect(fractions.at(-1)).toBe(1);
+});
+
+test("what is coloured by arrives though nothing moves, and goes when it is not asked for", async () => {
+  const object = await open();
+  object.setResolution(cameraAt(object, [0, 0, 1], 4), 200, 200);
+  await settle(object);
+  for (const column of ["error", "cone", "age"] as const) {
+    object.shade = column;
+    await settle(object);
+    const values = [...(object.geometry.getAttribute("shade").array as Float32Array).subarray(0, object.stats!.vertices)];
+    expect(values.every((value) => value >= 0 && Number.isFinite(value))).toBe(true);
+    if (column !== "age") expect(Math.max(...values)).toBeGreaterThan(0);
+    if (column === "error") expect(Math.max(...values)).toBeLessThanOrEqual(object.info!.baseError);
+    if (column === "cone") expect(Math.max(...values)).toBeLessThanOrEqual(Math.PI + 1e-6);
+  }
+  object.shade = undefined;
+  expect(object.geometry.hasAttribute("shade")).toBe(false);
+});
+
+test("a triangle that is met tells its update; one of a former front does not", async () => {
+  const object = await open();
+  const camera = cameraAt(object, [0, 0, 1], 4);
+  object.setResolution(camera, 200, 200);
+  await settle(object);
+  camera.updateMatrixWorld();
+  const raycaster = new Raycaster();
+  raycaster.setFromCamera(new Vector2(0.05, 0.02), camera);
+  const [hit] = raycaster.intersectObject(object);
+  const found = (await object.inspect(hit!.faceIndex!))!;
+  expect(found.error).toBeGreaterThan(0);
+  expect(found.error).toBeLessThanOrEqual(object.info!.baseError);
+  const inMesh = object.worldToLocal(hit!.point.clone());
+  expect(inMesh.distanceTo(new Vector3(...found.center))).toBeLessThanOrEqual(2 * found.radius);
+  const frame = vi.spyOn(object.budget.client, "inspect").mockResolvedValueOnce(undefined);
+  expect(await object.inspect(hit!.faceIndex!)).toBeUndefined();
+  expect(frame).toHaveBeenCalledWith(expect.any(Number), expect.any(Number), hit!.faceIndex);
+});
+
+test("bytes are a hard cap", async () => {
+  const object = await open();
+  object.setResolution(cameraAt(object, [0, 0, 1], 1.5), 800, 800);
+  await settle(object);
+  const bytes = ({ stats, bufferBytes }: MeshfrontObject) => stats!.frontBytes + 2 * bufferBytes;
+  const free = bytes(object);
+  object.maxBytes = Math.round(0.7 * free);
+  await settle(object);
+  expect(object.stats!.byteBound).toBe(true);
+  expect(bytes(object)).toBeLessThanOrEqual(0.7 * free);
+});
+
+test("a clone has a front of its own over the same hierarchy", async () => {
+  const object = await open();
+  object.position.set(1, 2, 3);
+  object.setResolution(cameraAt(object, [0, 0, 1], 30), 200, 200);
+  const before = await object.budget.memory();
+  const twin = object.clone();
+  await twin.ready;
+  expect(twin.geometry).not.toBe(object.geometry);
+  expect(twin.position.toArray()).toEqual([1, 2, 3]);
+  expect(twin.info).toMatchObject({ sourceTriangles: object.info!.sourceTriangles });
+  const near = cameraAt(object, [0, 0, 1], 1.2);
+  near.position.add(twin.position);
+  twin.setResolution(near, 600, 600);
+  await settle(object);
+  expect(twin.stats!.triangles).toBeGreaterThan(object.stats!.triangles);
+  expect((await object.budget.memory()).engineBytes - before.engineBytes).toBeLessThan(1 << 20);
+  twin.dispose();
+  object.update();
+  await settle(object);
 });

@@ -233,7 +233,7 @@ export function start(stage: Stage, settings: Settings, address: Address): void 
     object.addEventListener("load-progress", (progress) => loading.progress(i, card.name, progress));
     object.addEventListener("load-error", ({ error }) => fail(error));
     object.addEventListener("needs-update", changed);
-    object.addEventListener("load-base", ({ base }) => arrive(model, base.up));
+    object.addEventListener("load-base", ({ base }) => arrive(model, (base as { up?: Point }).up ?? [0, 1, 0]));
     object.addEventListener("load", ({ info }) => arrive(model, info.up));
     object.addEventListener("front-settled", settledNow);
     spheres[i] = drawSpheres(object, () => settings.now.spheres, changed);
@@ -251,7 +251,7 @@ export function start(stage: Stage, settings: Settings, address: Address): void 
     showTools(address.panel);
     panel.setModels(shown);
     controls.setRange(totalOf(infos, "baseTriangles"), totalOf(infos, "sourceTriangles"));
-    controls.setErrors(appearance.errorRange(Math.max(...infos.map(largestError))));
+    controls.setErrors(appearance.errorRange(Math.max(...infos.map(({ baseError }) => baseError))));
     controls.setPainted(infos.some(({ hasColors }) => hasColors));
     describe();
     say(texts().title.loaded(card!.name, element("subtitle").textContent), true);
@@ -351,8 +351,11 @@ export function start(stage: Stage, settings: Settings, address: Address): void 
     const pixel = pixelAt(camera.position.distanceTo(navigation.target));
     return figuresOf(models, stats, { name, engineBytes: engineBytesOf(models), framesPerSecond, pixel });
   }
+  /** The engine as a whole, or what it holds of one model. */
   function engineBytesOf(models: readonly Shown[]): number | undefined {
-    return models.length === shown.length ? engineBytes : undefined;
+    const [first] = models;
+    const own = (first?.object.info?.hierarchyBytes ?? 0) + (first?.object.stats?.frontBytes ?? 0);
+    return models.length === shown.length ? (engineBytes ?? own) : own;
   }
 
   async function shot(): Promise<void> {
@@ -514,11 +517,6 @@ function sphereOf(shown: readonly Shown[]): Sphere {
 function upOf(up: Up, own: readonly number[]): Vector3 {
   if (up === "file") return new Vector3(...own);
   return new Vector3().setComponent("xyz".indexOf(up[1]!), up[0] === "-" ? -1 : 1);
-}
-
-/** That of the base mesh, or a part of the diagonal that it will hardly be above. */
-function largestError(info: ModelInfo & { baseError?: number }): number {
-  return info.baseError ?? new Vector3(...info.min).distanceTo(new Vector3(...info.max)) / 20;
 }
 
 function sameAnswer(a: FrameStats, b: FrameStats | undefined): boolean {

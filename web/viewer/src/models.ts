@@ -15,7 +15,7 @@ export interface Figures {
   name: string;
   triangles: number;
   sourceTriangles: number;
-  vertices: number | undefined;
+  vertices: number;
   sourceVertices: number;
   errorPx: number;
   error: number;
@@ -42,12 +42,11 @@ export function figuresOf(
   const infos = shown.flatMap(({ object }) => object.info ?? []);
   const sum = (numbers: number[]) => numbers.reduce((total, n) => total + n, 0);
   const { pixel, ...others } = rest;
-  const known = stats as FrameStats & { vertices?: number; byteBound?: boolean };
   return {
     ...others,
     triangles: stats.triangles,
     sourceTriangles: sum(infos.map(({ sourceTriangles }) => sourceTriangles)),
-    vertices: known.vertices,
+    vertices: stats.vertices,
     sourceVertices: sum(infos.map(({ sourceVertices }) => sourceVertices)),
     errorPx: stats.errorPx,
     error: stats.errorPx * pixel,
@@ -60,7 +59,7 @@ export function figuresOf(
     bufferBytes: sum(shown.map(({ object }) => bufferBytes(object))),
     settled: stats.settled,
     budgetBound: stats.budgetBound,
-    byteBound: known.byteBound ?? false,
+    byteBound: stats.byteBound,
   };
 }
 

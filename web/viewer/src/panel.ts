@@ -96,7 +96,7 @@ export function makePanel(settings: Settings, { setVisible, say }: PanelActions)
       if (cell.textContent !== text) cell.textContent = text;
     };
     set("triangles", words.partOf(count(one.triangles), count(one.sourceTriangles)));
-    set("vertices", one.vertices === undefined ? "–" : words.partOf(count(one.vertices), count(one.sourceVertices)));
+    set("vertices", words.partOf(count(one.vertices), count(one.sourceVertices)));
     set("error", pixels(one.errorPx));
     set("errorAt", length(one.error, unit, 2));
     set("updates", `+${count(one.refined)} −${count(one.coarsened)}`);

@@ -7,6 +7,8 @@ use crate::columns::{InvalidColumns, check_base, check_lengths, check_update};
 use crate::footprint::{Cells, Frame, PackedFootprint, step_cost};
 use crate::lists::UpdateLists;
 use crate::live::Most;
+use crate::model::{Progress, replayed};
+use crate::next::Next;
 use crate::quantize::{Oct, Places};
 use glam::Vec3;
 use meshfront_mesh::Bounds;
@@ -15,7 +17,7 @@ use meshfront_refine::{MultiTessellation, UpdateId};
 /// Ids must leave room for triangle numbers and for corners, which are four times a slot.
 const MAX_UPDATES: usize = 1 << 28;
 
-pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
+pub(super) fn derive(columns: Columns, progress: Progress) -> Result<EdgeCollapse, InvalidColumns> {
     check_shape(&columns)?;
     let updates = columns.vertex.len();
     let mut h = undecorated(columns)?;
@@ -24,6 +26,7 @@ pub(super) fn derive(columns: Columns) -> Result<EdgeCollapse, InvalidColumns> {
     let mut needs = UpdateLists::with_capacity(updates);
     let mut ring = vec![];
     for m in 0..updates {
+        replayed(progress, m, updates);
         let invalid = |reason| InvalidColumns::Update { update: m as u32, reason };
         let id = UpdateId(m as u32);
         let split = h.splits[m];
@@ -175,6 +178,7 @@ fn undecorated(c: Columns) -> Result<EdgeCollapse, InvalidColumns> {
         source: c.source,
         // Known when all are applied.
         most: Most { vertices: usize::MAX, triangles: usize::MAX },
+        next: Next::default(),
     })
 }
 

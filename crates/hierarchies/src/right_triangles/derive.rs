@@ -4,6 +4,7 @@ use super::base::{Base, Missing};
 use super::lattice::{Lattice, Site, Spot};
 use super::record::{self, Record};
 use super::{Columns, Corner, InvalidHeights, RightTriangles};
+use crate::model::Progress;
 use crate::parallel::for_chunks;
 use glam::{DVec2, Vec2, Vec3};
 use meshfront_mesh::Bounds;
@@ -167,7 +168,7 @@ impl Spread {
     }
 }
 
-pub(super) fn derive(columns: Columns) -> Result<RightTriangles, InvalidHeights> {
+pub(super) fn derive(columns: Columns, progress: Progress) -> Result<RightTriangles, InvalidHeights> {
     columns.check()?;
     let Columns { columns: w, rows: r, spacing, ref heights, .. } = columns;
     let lattice = Lattice::new(w, r);
@@ -190,7 +191,9 @@ pub(super) fn derive(columns: Columns) -> Result<RightTriangles, InvalidHeights>
     };
 
     let mut records = vec![Record::default(); lattice.len()];
-    for level in lattice.levels().rev() {
+    let levels = lattice.levels().count();
+    for (done, level) in lattice.levels().rev().enumerate() {
+        progress(done as f32 / levels as f32);
         let (coarser, finer) = records.split_at_mut(level.end);
         let end = level.end as u32;
         for_chunks(&mut coarser[level.start..], CHUNK, |chunk, records| {

@@ -7,6 +7,7 @@ use super::front_mesh::FrontMesh;
 use super::{Origin, Root, Split, VertexPair};
 use crate::columns::InvalidColumns;
 use crate::footprint::{Cells, Frame, PackedFootprint, step_cost};
+use crate::model::{Progress, replayed};
 use crate::quantize::{Oct, Places};
 use glam::Vec3;
 use meshfront_mesh::Bounds;
@@ -18,13 +19,14 @@ const MOST_NEEDS: usize = 64;
 
 const NONE: u32 = u32::MAX;
 
-pub(super) fn derive(columns: Columns) -> Result<VertexPair, InvalidColumns> {
+pub(super) fn derive(columns: Columns, progress: Progress) -> Result<VertexPair, InvalidColumns> {
     let mut h = undecorated(columns)?;
     if !h.source_normals {
         derive_normals(&mut h);
     }
     let mut front = FrontMesh::base(&h);
     for m in (0..h.splits.len() as u32).map(UpdateId) {
+        replayed(progress, m.ix(), h.splits.len());
         let s = front.slot(m.0).expect("a forest");
         if front.star(s).take(Columns::MAX_STAR + 1).count() > Columns::MAX_STAR {
             return Err(InvalidColumns::Update { update: m.0, reason: "its star has too many triangles" });

@@ -8,6 +8,8 @@ use crate::columns::{InvalidColumns, check_base, check_lengths, check_update};
 use crate::footprint::{Cells, Frame, PackedFootprint};
 use crate::lists::UpdateLists;
 use crate::live::Most;
+use crate::model::{Progress, replayed};
+use crate::next::Next;
 use crate::quantize::{Oct, Places};
 use arrayvec::ArrayVec;
 use glam::Vec3;
@@ -18,7 +20,7 @@ use std::collections::HashMap;
 /// Cell numbers go with two bits more into 32.
 const MOST_CELLS: usize = 1 << 30;
 
-pub(super) fn derive(columns: Columns) -> Result<VertexRemoval, InvalidColumns> {
+pub(super) fn derive(columns: Columns, progress: Progress) -> Result<VertexRemoval, InvalidColumns> {
     check_shape(&columns)?;
     let updates = columns.patches.len();
     let mut twins = Twins::of(&columns.base)?;
@@ -29,6 +31,7 @@ pub(super) fn derive(columns: Columns) -> Result<VertexRemoval, InvalidColumns> 
     let mut needs = UpdateLists::with_capacity(updates);
     let mut direct = vec![];
     for m in 0..updates {
+        replayed(progress, m, updates);
         let id = UpdateId(m as u32);
         let invalid = |reason| InvalidColumns::Update { update: m as u32, reason };
         let place = Place::find(&front, &twins, &patches[m]).map_err(invalid)?;
@@ -183,6 +186,7 @@ fn undecorated(c: Columns) -> VertexRemoval {
         floor_error: c.floor_error,
         source: c.source,
         most: Most { vertices: usize::MAX, triangles: usize::MAX },
+        next: Next::default(),
     }
 }
 

@@ -51,6 +51,21 @@ impl FrontMesh {
         self.cells.get(cell as usize)
     }
 
+    /// The number of the cell in a triangle slot; `None` for a free one. A cell was made with the last of its vertices; in the base
+    /// mesh this looks at all triangles.
+    pub(super) fn cell(&self, h: &VertexRemoval, triangle: u32) -> Option<u32> {
+        let corners = self.buffers.triangles[triangle as usize];
+        if corners[0] == corners[1] {
+            return None;
+        }
+        let last = corners.into_iter().map(|slot| self.ids[slot as usize].ix()).max()?;
+        let mut cells = match last.checked_sub(h.base.positions.len()) {
+            None => 0..h.base.triangles.len() as u32,
+            Some(m) => h.first_cell(UpdateId(m as u32))..h.first_cell(UpdateId(m as u32 + 1)),
+        };
+        cells.find(|&cell| self.slot(cell) == Some(triangle))
+    }
+
     #[inline]
     pub(super) fn refine(&mut self, h: &VertexRemoval, m: UpdateId) {
         let insertion = &h.insertions[m.ix()];
