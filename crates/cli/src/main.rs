@@ -6,6 +6,7 @@ mod args;
 mod bench;
 mod build;
 mod compare;
+mod dropped;
 mod extract;
 mod info;
 mod input;

@@ -12,11 +12,18 @@ use crate::text;
 /// Follows the phases of one job.
 pub struct Phases {
     draw: bool,
+    told: Option<Told>,
     state: Mutex<State>,
 }
 
+/// Is told the phase, and which part of it is done where that is known.
+type Told = Box<dyn Fn(&'static str, Option<f64>) + Send + Sync>;
+
 #[derive(Default)]
 struct State {
+    /// Of the phase that runs, and how much of it was told last.
+    total: u64,
+    last_told: u64,
     running: Option<(&'static str, Instant, ProgressBar)>,
     finished: Vec<(&'static str, Duration)>,
 }
@@ -24,7 +31,14 @@ struct State {
 impl Phases {
     /// Draws bars if standard error is a terminal and nobody asked for silence.
     pub fn new(quiet: bool) -> Phases {
-        Phases { draw: !quiet && std::io::stderr().is_terminal(), state: Mutex::default() }
+        Phases::telling(quiet, None)
+    }
+    /// The same; `told` hears of every phase and of every hundredth of it.
+    pub fn told(quiet: bool, told: impl Fn(&'static str, Option<f64>) + Send + Sync + 'static) -> Phases {
+        Phases::telling(quiet, Some(Box::new(told)))
+    }
+    fn telling(quiet: bool, told: Option<Told>) -> Phases {
+        Phases { draw: !quiet && std::io::stderr().is_terminal(), told, state: Mutex::default() }
     }
 
     /// A phase of unknown length.
@@ -80,13 +94,26 @@ impl Progress for Phases {
         if self.draw {
             bar.enable_steady_tick(Duration::from_millis(200));
         }
-        self.change(|state| state.running = Some((name, Instant::now(), bar)));
+        self.change(|state| {
+            (state.total, state.last_told) = (total, 0);
+            state.running = Some((name, Instant::now(), bar));
+        });
+        if let Some(told) = &self.told {
+            told(name, (total > 0).then_some(0.0));
+        }
     }
 
     fn at(&self, done: u64) {
-        let state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, _, bar)) = &state.running {
-            bar.set_position(done);
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some((name, _, bar)) = &state.running else { return };
+        bar.set_position(done);
+        let (name, total) = (*name, state.total);
+        if let Some(told) = &self.told
+            && total > 0
+            && done.saturating_sub(state.last_told) * 100 >= total
+        {
+            state.last_told = done;
+            told(name, Some((done as f64 / total as f64).min(1.0)));
         }
     }
 }

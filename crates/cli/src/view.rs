@@ -3,8 +3,9 @@
 use std::io::ErrorKind;
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use axum::Router;
 use axum::body::Body;
 use axum::extract::Request;
@@ -18,6 +19,7 @@ use serde_json::json;
 use tower_http::services::ServeFile;
 
 use crate::args::{Place, Recipe, View};
+use crate::dropped::{self, Temporary};
 use crate::progress::Phases;
 use crate::{build, input, interrupt, output, text};
 
@@ -43,26 +45,14 @@ pub fn run(args: &View, quiet: bool) -> Result<()> {
     }
 
     // Removed when dropped, and when interrupted.
-    let mut temporary = None;
+    let temporary = Arc::new(Temporary::default());
     let mut models = vec![];
     for (i, file) in args.files.iter().enumerate() {
-        let front = if input::is_front(file)? {
-            file.clone()
-        } else {
-            let folder = match &temporary {
-                Some(folder) => folder,
-                None => {
-                    let folder = tempfile::Builder::new().prefix("meshfront-view-").tempdir();
-                    let folder = temporary.insert(folder.context("no temporary folder")?);
-                    interrupt::remove_when_interrupted(folder.path());
-                    folder
-                }
-            };
-            build_in(folder.path(), i, file, quiet)?
-        };
+        let front = if input::is_front(file)? { file.clone() } else { build_in(&temporary.path()?, i, file, quiet)? };
         models.push(Model { url: url(i), name: file_name(file), front, place: args.at.get(i).copied() });
     }
     let card = describe(&models, args.credit.as_deref());
+    let router = dropped::route(router(models, card), temporary.clone(), quiet).layer(middleware::from_fn(guard));
 
     let address = format!("http://{}/", listener.local_addr()?);
     // Whoever reads the address may interrupt from then on.
@@ -81,7 +71,7 @@ pub fn run(args: &View, quiet: bool) -> Result<()> {
     runtime.block_on(async {
         listener.set_nonblocking(true)?;
         let listener = tokio::net::TcpListener::from_std(listener)?;
-        axum::serve(listener, router(models, card)).await
+        axum::serve(listener, router).await
     })?;
     drop(temporary);
     Ok(())
@@ -137,10 +127,7 @@ fn describe(models: &[Model], credit: Option<&str>) -> serde_json::Value {
     let cards: Vec<_> = models
         .iter()
         .map(|model| {
-            let mut card = json!({ "name": model.name, "url": model.url });
-            if let Ok(info) = format::inspect_file(&model.front) {
-                card["source"] = json!({ "vertices": info.source_vertices, "triangles": info.source_triangles });
-            }
+            let mut card = card(&model.name, &model.url, &model.front);
             if let Some(Place { at, scale }) = model.place {
                 card["at"] = at.to_array().into();
                 card["scale"] = scale.into();
@@ -148,9 +135,18 @@ fn describe(models: &[Model], credit: Option<&str>) -> serde_json::Value {
             card
         })
         .collect();
-    let mut card = json!({ "name": names.join(", "), "models": cards });
+    let mut card = json!({ "name": names.join(", "), "models": cards, "build": true });
     if let Some(credit) = credit {
         card["credit"] = credit.into();
+    }
+    card
+}
+
+/// A model of the page, without a place.
+pub fn card(name: &str, url: &str, front: &Path) -> serde_json::Value {
+    let mut card = json!({ "name": name, "url": url });
+    if let Ok(info) = format::inspect_file(front) {
+        card["source"] = json!({ "vertices": info.source_vertices, "triangles": info.source_triangles });
     }
     card
 }
@@ -162,7 +158,7 @@ fn router(models: Vec<Model>, card: serde_json::Value) -> Router {
     for model in models {
         router = router.route_service(&format!("/{}", model.url), ServeFile::new(model.front));
     }
-    router.fallback(page).layer(middleware::from_fn(guard))
+    router.fallback(page)
 }
 
 /// A file of the page.

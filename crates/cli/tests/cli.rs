@@ -452,8 +452,12 @@ impl Viewer {
     }
     /// Head and body of the answer.
     fn get(&self, path: &str, headers: &str) -> (String, Vec<u8>) {
+        self.ask("GET", path, headers, b"")
+    }
+    fn ask(&self, method: &str, path: &str, headers: &str, content: &[u8]) -> (String, Vec<u8>) {
         let mut stream = TcpStream::connect(&self.address).unwrap();
-        write!(stream, "GET {path} HTTP/1.1\r\n{headers}Connection: close\r\n\r\n").unwrap();
+        write!(stream, "{method} {path} HTTP/1.1\r\n{headers}Connection: close\r\n\r\n").unwrap();
+        stream.write_all(content).unwrap();
         let mut answer = Vec::new();
         stream.read_to_end(&mut answer).unwrap();
         let end = answer.windows(4).position(|w| w == b"\r\n\r\n").unwrap();
@@ -538,6 +542,70 @@ fn view_of_several_says_where_they_are() {
     bench.run("view scan.front --no-open --at 0,0,0 --at 1,1,1").failed(2, &["--at", "2 times for 1 file"]);
     bench.run("view scan.front --no-open --at 1,1").failed(2, &["X,Y,Z"]);
     bench.run("view scan.front --no-open --at 1,1,1,0").failed(2, &["scale"]);
+}
+
+/// A mesh that is dropped on the page is sent, built and served; nobody else may ask for that.
+#[cfg(unix)]
+#[test]
+fn view_builds_what_is_dropped_on_the_page() {
+    let bench = Bench::with_scan(1_500);
+    bench.ok("sample knot -o knot.ply --triangles 3000");
+    let Some(viewer) = Viewer::start(&bench, "view scan.front --no-open") else { return };
+    let host = format!("Host: {}\r\n", viewer.address);
+    let card: Value = serde_json::from_slice(&viewer.get("/model.json", &host).1).unwrap();
+    assert_eq!(card["build"], true);
+
+    let build = |name: &str, content: &[u8], headers: &str| {
+        let headers = format!("{headers}Content-Length: {}\r\n", content.len());
+        viewer.ask("POST", &format!("/build?name={name}"), &headers, content)
+    };
+    let own = format!("{host}Origin: http://{}\r\nX-Meshfront: build\r\n", viewer.address);
+    // Chunked, so one line may come in several pieces: only what is JSON counts.
+    let lines = |body: Vec<u8>| -> Vec<Value> {
+        let text = String::from_utf8(body).unwrap();
+        text.lines().filter_map(|line| serde_json::from_str(line).ok()).filter(Value::is_object).collect()
+    };
+
+    let knot = std::fs::read(bench.path("knot.ply")).unwrap();
+    let (head, body) = build("knot.ply", &knot, &own);
+    assert!(head.starts_with("http/1.1 200") && head.contains("application/x-ndjson"), "{head}");
+    let said = lines(body);
+    let phases: Vec<&str> = said.iter().filter_map(|line| line["phase"].as_str()).collect();
+    assert!(phases.contains(&"read") && phases.contains(&"write"), "{phases:?}");
+    let fractions = said.iter().filter_map(|line| line["fraction"].as_f64());
+    assert!(fractions.clone().count() > 0 && fractions.clone().all(|part| (0.0..=1.0).contains(&part)));
+    let model = &said.last().unwrap()["model"];
+    assert_eq!(
+        (&model["name"], &model["source"]["triangles"]),
+        (&"knot.ply".into(), &triangles(&bench, "knot.ply").into())
+    );
+    let url = format!("/{}", model["url"].as_str().unwrap());
+    let (head, front) = viewer.get(&url, &host);
+    assert!(head.starts_with("http/1.1 200"), "{head}");
+    std::fs::write(bench.path("served.front"), front).unwrap();
+    bench.ok("info served.front");
+
+    // One sentence, without the folder that it lay in for the moment.
+    let (_, body) = build("broken.ply", &knot[..knot.len() / 2], &own);
+    let last = lines(body).pop().unwrap();
+    let error = last["error"].as_str().unwrap();
+    assert!(error.starts_with("broken.ply") && !error.contains("upload-"), "{last}");
+    let (_, body) = build("notes.txt", b"hello", &own);
+    let last = lines(body).pop().unwrap();
+    assert!(last["error"].as_str().unwrap().contains("notes.txt"), "{last}");
+    let (_, body) = build("..", &knot, &own);
+    assert!(lines(body).pop().unwrap()["error"].is_string());
+
+    let foreign = format!("{host}Origin: http://attacker.example\r\nX-Meshfront: build\r\n");
+    let silent = format!("{host}Origin: http://{}\r\n", viewer.address);
+    for headers in [foreign, silent, "Host: attacker.example\r\nX-Meshfront: build\r\n".into()] {
+        assert!(build("knot.ply", &[], &headers).0.starts_with("http/1.1 403"), "{headers}");
+    }
+    for path in
+        ["/dropped/0.front", "/dropped/9.front", "/dropped/1.front/..", "/dropped/1", "/dropped/", "/dropped/..%2fx"]
+    {
+        assert!(viewer.get(path, &host).0.starts_with("http/1.1 404"), "{path}");
+    }
 }
 
 #[test]
