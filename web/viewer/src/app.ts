@@ -15,7 +15,7 @@ import { makeLoading } from "./loading.js";
 import { makeMeasuring } from "./measure.js";
 import { figuresOf, totalOf, trianglesOf, type Figures, type Shown } from "./models.js";
 import { makeNavigation, type Side } from "./navigation.js";
-import { drawFrustum, drawSpheres, type Spheres } from "./overlays.js";
+import { drawFrustum, drawSpheres, type Frustum, type Spheres } from "./overlays.js";
 import { makePanel } from "./panel.js";
 import { pick } from "./picking.js";
 import type { Settings, Up, Values } from "./settings.js";
@@ -120,10 +120,10 @@ export function start(stage: Stage, settings: Settings, address: Address): void 
     dirty = true;
   });
   settings.on("flying", (on) => say(on ? texts().flyHint : texts().navigation.orbiting));
-  let eraseFrustum: (() => void) | undefined;
+  let frustum: Frustum | undefined;
   settings.on("frozen", (on) => {
-    eraseFrustum?.();
-    eraseFrustum = on ? drawFrustum(camera, scene) : undefined;
+    frustum?.erase();
+    frustum = on ? drawFrustum(camera, scene) : undefined;
     dirty = true;
     say(on ? texts().quality.frozen : texts().quality.thawed);
   });
@@ -389,6 +389,16 @@ export function start(stage: Stage, settings: Settings, address: Address): void 
     else stage.draw();
   }
 
+  function fitDepth(): void {
+    const around = new Sphere().makeEmpty();
+    for (const model of shown) {
+      if (!model?.visible || model.object.parent !== scene) continue;
+      around.union(model.object.geometry.boundingSphere!.clone().applyMatrix4(model.object.matrixWorld));
+    }
+    if (frustum) around.union(frustum.around);
+    if (!around.isEmpty()) stage.fitDepth(around, camera.position.distanceTo(navigation.target));
+  }
+
   let lastFrame = 0;
   let lastFigures = -Infinity;
   let answered: FrameStats | undefined;
@@ -399,14 +409,10 @@ export function start(stage: Stage, settings: Settings, address: Address): void 
     if (stage.resize(covered())) dirty = true;
     const moved = navigation.update(seconds);
     if (moved && opened) rememberSoon();
-    const around = new Sphere().makeEmpty();
-    for (const { object } of shown.filter(Boolean)) {
-      if (object.parent !== scene) continue;
-      if (object.visible) around.union(object.geometry.boundingSphere!.clone().applyMatrix4(object.matrixWorld));
-      object.setResolutionFromRenderer(camera, renderer);
-    }
-    if (!around.isEmpty()) {
-      if (moved || dirty) stage.fitDepth(around, camera.position.distanceTo(navigation.target));
+    const placed = shown.filter((model) => model?.object.parent === scene);
+    for (const { object } of placed) object.setResolutionFromRenderer(camera, renderer);
+    if (placed.length > 0) {
+      if (moved || dirty) fitDepth();
       budget?.update();
       compare.update(camera, renderer);
     }
@@ -473,7 +479,7 @@ export function start(stage: Stage, settings: Settings, address: Address): void 
     /** Draws, and gives the models without the background, as a PNG in a data URL. */
     picture() {
       camera.updateMatrixWorld();
-      stage.fitDepth(sphereOf(shown), camera.position.distanceTo(navigation.target));
+      fitDepth();
       draw();
       return canvas.toDataURL("image/png");
     },
@@ -506,12 +512,6 @@ function boxOf(objects: readonly MeshfrontObject[]): Box3 {
   const box = new Box3();
   for (const { geometry, matrixWorld } of objects) box.union(geometry.boundingBox!.clone().applyMatrix4(matrixWorld));
   return box;
-}
-
-function sphereOf(shown: readonly Shown[]): Sphere {
-  const around = new Sphere().makeEmpty();
-  for (const { object } of shown) if (object.visible) around.union(object.geometry.boundingSphere!.clone().applyMatrix4(object.matrixWorld));
-  return around;
 }
 
 function upOf(up: Up, own: readonly number[]): Vector3 {

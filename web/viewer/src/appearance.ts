@@ -1,6 +1,6 @@
 /** How models look: surfaces, colours that tell of the front, lines. */
 
-import { defaultScale, shadeMaterial, type ShadeMaterial } from "@meshfront/three";
+import { defaultScale, type Scale, shadeMaterial, type ShadeMaterial } from "@meshfront/three";
 import {
   CanvasTexture, type Material, MeshBasicMaterial, MeshMatcapMaterial, MeshStandardMaterial, SRGBColorSpace,
 } from "three";
@@ -36,16 +36,19 @@ export function makeAppearance(settings: Settings): Appearance {
     return new MeshStandardMaterial({ color, roughness: 0.72, vertexColors: painted, flatShading: surface === "flat" });
   }
 
+  function scale(): Scale {
+    const { colorBy } = settings.now;
+    if (colorBy === "error") return errors;
+    // Coarse fronts have cones of all sizes.
+    return colorBy === "cone" ? { ...defaultScale("cone"), to: Math.PI } : defaultScale(colorBy as "level" | "age");
+  }
+
   function colored(): Material & Partial<Pick<ShadeMaterial, "scale">> {
-    const { surface, colorBy } = settings.now;
-    const shade = shadeMaterial(colorBy === "error" ? errors : defaultScale(colorBy as "level"), { flatShading: surface === "flat" });
+    const { surface } = settings.now;
+    const shade = shadeMaterial(scale(), { flatShading: surface === "flat" });
     if (surface !== "matcap") return shade;
-    const { onBeforeCompile, scale } = shade;
-    return Object.assign(new MeshMatcapMaterial({ matcap: matcap() }), {
-      onBeforeCompile,
-      customProgramCacheKey: shade.customProgramCacheKey,
-      scale,
-    });
+    const { onBeforeCompile, customProgramCacheKey, scale: live } = shade;
+    return Object.assign(new MeshMatcapMaterial({ matcap: matcap() }), { onBeforeCompile, customProgramCacheKey, scale: live });
   }
 
   return {

@@ -1,17 +1,34 @@
 /** What is drawn beside the models: the view that a frozen front was made for, and the spheres of updates. */
 
 import type { MeshfrontObject } from "@meshfront/three";
-import { BufferAttribute, BufferGeometry, CameraHelper, LineBasicMaterial, LineSegments, PerspectiveCamera, type Scene } from "three";
+import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, type PerspectiveCamera, type Scene, Sphere, Vector3 } from "three";
 
-/** Draws the pyramid of a camera as it is now; the function takes it away again. */
-export function drawFrustum(camera: PerspectiveCamera, scene: Scene): () => void {
-  const copy = new PerspectiveCamera().copy(camera, false);
-  const helper = new CameraHelper(copy);
-  scene.add(helper);
-  helper.update();
-  return () => {
-    helper.removeFromParent();
-    helper.dispose();
+const ORANGE = 0xd9822b;
+
+export interface Frustum {
+  /** Around all of it. */
+  around: Sphere;
+  erase(): void;
+}
+
+/** Draws what a camera sees now, from its eye as far as the models reach. */
+export function drawFrustum(camera: PerspectiveCamera, scene: Scene): Frustum {
+  const corner = (x: number, y: number) => new Vector3(x, y, 1).unproject(camera);
+  // `unproject` counts depth from -1 to 1: 1 is the far plane.
+  const far = [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
+  const middle = far.map((at) => at.clone().lerp(camera.position, 0.5));
+  const segments = [far, middle].flatMap((ring) => ring.flatMap((at, i) => [at, ring[(i + 1) % 4]!]));
+  for (const at of far) segments.push(camera.position, at);
+  const lines = new LineSegments(new BufferGeometry().setFromPoints(segments), new LineBasicMaterial({ color: ORANGE }));
+  lines.frustumCulled = false;
+  scene.add(lines);
+  return {
+    around: new Sphere().setFromPoints(segments),
+    erase() {
+      lines.removeFromParent();
+      lines.geometry.dispose();
+      lines.material.dispose();
+    },
   };
 }
 
@@ -27,7 +44,7 @@ export interface Spheres {
 
 /** Three great circles for each update that would be applied next. */
 export function drawSpheres(object: MeshfrontObject, wanted: () => boolean, changed: () => void): Spheres {
-  const lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: 0xe0913f, transparent: true, opacity: 0.7 }));
+  const lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: ORANGE, transparent: true, opacity: 0.7 }));
   lines.frustumCulled = false;
   object.add(lines);
   let isAsking = false;

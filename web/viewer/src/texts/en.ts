@@ -106,7 +106,7 @@ export const en = {
       error: (least: string, most: string): Ends => [least, most],
       level: (most: string): Ends => ["base mesh", `level ${most}`],
       age: (most: string): Ends => ["just now", `${most} frames ago`],
-      cone: (): Ends => ["one direction", "a right angle around it"],
+      cone: (): Ends => ["one direction", "all directions"],
     },
     surface: "Surface",
     surfaces: { lit: "Lit", matcap: "Matcap", flat: "Flat facets" },

@@ -102,7 +102,7 @@ export const pt: Texts = {
       error: (least, most) => [least, most],
       level: (most) => ["malha de base", `nível ${most}`],
       age: (most) => ["agora mesmo", `há ${most} passos`],
-      cone: () => ["uma direção", "um ângulo reto à volta"],
+      cone: () => ["uma direção", "todas as direções"],
     },
     surface: "Superfície",
     surfaces: { lit: "Iluminada", matcap: "Matcap", flat: "Facetas" },
