@@ -28,6 +28,7 @@ export interface Meshfront {
   renderer: { getContext(): WebGL2RenderingContext };
   objects: {
     visible: boolean;
+    info?: ModelInfo;
     material: { color: { set(color: number): void }; type: string };
     addEventListener(type: string, listener: () => void): void;
     geometry: { attributes: Record<string, { array: ArrayBufferView }>; index: { array: ArrayBufferView } };

@@ -4,14 +4,14 @@ import { expect, test, type Page } from "@playwright/test";
 import pixelmatch from "pixelmatch";
 import type { PNG } from "pngjs";
 import type { Vec3 } from "../core/src/index.js";
-import { model, view, type Server } from "./files.js";
+import { small, view, type Server } from "./files.js";
 import { open, picture, settled } from "./page.js";
 
 // Drawn in software: what is promised in pixels holds in small pictures as well.
 test.use({ viewport: { width: 480, height: 360 } });
 
 let server: Server;
-test.beforeAll(async () => { server = await view(model); });
+test.beforeAll(async () => { server = await view(small); });
 test.afterAll(() => server.stop());
 
 /** One byte a pixel. */
@@ -52,6 +52,18 @@ function within(mask: Mask, width: number, distance: number): Mask {
 /** How many pixels are set in the first and in none of the others. */
 const outside = (mask: Mask, other: Mask) => mask.reduce((sum, is, i) => sum + (is && !other[i] ? 1 : 0), 0);
 
+/**
+ * Draws backs as well. Seen edge on, a surface may turn its front to the eye where its original shows its back: then the picture has
+ * nothing there, however near the two are.
+ */
+async function showBacks(page: Page): Promise<void> {
+  await page.evaluate(() => {
+    const { material } = window.meshfront.objects[0]!;
+    Object.assign(material, { side: 2, needsUpdate: true });
+  });
+  await settled(page);
+}
+
 /** A camera around the model: turned by `angle`, raised by `height`, `distance` model sizes away. */
 async function lookAround(page: Page, angle: number, height: number, distance: number): Promise<void> {
   await page.evaluate(([angle, height, distance]) => {
@@ -67,10 +79,11 @@ async function lookAround(page: Page, angle: number, height: number, distance: n
 const VIEWS = Array.from({ length: 10 }, (_, i) => [0.7 * i, 0.9 * Math.sin(2.1 * i), [0.55, 0.8, 1.2, 2][i % 4]!] as const);
 
 /** Pixels whose colour may differ, of those that the model covers: shading follows normals, about which a tolerance says nothing. */
-const MOST_DIFFERING = { 0.5: 0.01, 1: 0.03, 2: 0.08, 4: 0.16 };
+const MOST_DIFFERING = { 0.5: 0.01, 1: 0.03, 2: 0.08, 4: 0.2 };
 
 test("at every tolerance the outline is within it, from ten views", async ({ page }) => {
   await open(page, "?panel=0", server);
+  await showBacks(page);
   const worst: Record<string, number> = {};
   for (const [angle, height, distance] of VIEWS) {
     await lookAround(page, angle, height, distance);
@@ -111,7 +124,10 @@ test("no frame of a flight has a hole", async ({ page, context }) => {
   const other = await context.newPage();
   // All of it, wherever one looks.
   await open(other, "?panel=0&tolerance=0&frustum=0&orientation=0", server);
-  await open(page, "?panel=0&tolerance=1", server);
+  // So little time that the front is hardly ever what the view asks for.
+  await open(page, "?panel=0&tolerance=0.5&time=0.2", server);
+  await page.bringToFront();
+  for (const each of [other, page]) await showBacks(each);
   let moving = 0;
   for (let i = 0; i <= 24; i++) {
     const place = [i * 0.2, 0.5 * Math.sin(i * 0.3), 0.6 + 0.35 * Math.cos(i * 0.25)] as const;
@@ -129,12 +145,13 @@ test("no frame of a flight has a hole", async ({ page, context }) => {
     expect(outside(inside, full(front)), `frame ${i}, error ${errorPx} px`).toBe(0);
   }
   console.log(`flight: ${moving} of 25 frames were taken while the front was on its way`);
+  expect(moving).toBeGreaterThan(5);
   await other.close();
 });
 
 test("a millimetre in front of a kilometre", async ({ page }) => {
   // The same model twice: a thousand times as large, and, in front of it, a thousandth.
-  const both = await view(model, "--at", "0,0,0,1000", model, "--at", "0,0,2500,0.001");
+  const both = await view(small, "--at", "0,0,0,1000", small, "--at", "0,0,2500,0.001");
   try {
     await open(page, "?panel=0&tolerance=4&eye=0.001,0.0005,2500.004&target=0,0,2500&orientation=0", both);
     const show = async (...visible: boolean[]) => {
@@ -145,13 +162,13 @@ test("a millimetre in front of a kilometre", async ({ page }) => {
     };
     const { near, far } = await page.evaluate(() => ({ near: window.meshfront.camera.near, far: window.meshfront.camera.far }));
     expect(far / near).toBeGreaterThan(1e6);
-    const [together, large, small] = [await show(true, true), await show(true, false), await show(false, true)];
-    const pixels = touched(small).reduce((sum, is) => sum + is, 0);
+    const [together, large, tiny] = [await show(true, true), await show(true, false), await show(false, true)];
+    const pixels = touched(tiny).reduce((sum, is) => sum + is, 0);
     expect(pixels).toBeGreaterThan(4_000);
     let wrong = 0;
     for (let i = 0; i < together.data.length; i += 4) {
       // Edges are a mixture of both.
-      const from = small.data[i + 3] === 255 ? small : small.data[i + 3] === 0 ? large : undefined;
+      const from = tiny.data[i + 3] === 255 ? tiny : tiny.data[i + 3] === 0 ? large : undefined;
       if (from && [0, 1, 2].some((k) => Math.abs(from.data[i + k]! - together.data[i + k]!) > 2)) wrong++;
     }
     expect(wrong).toBe(0);

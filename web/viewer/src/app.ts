@@ -347,15 +347,20 @@ export function start(stage: Stage, settings: Settings, address: Address): void 
     return opened && each.length === objects.length ? totalStats(each) : undefined;
   }
 
-  function figures(models: readonly Shown[], stats: FrameStats, name: string): Figures {
-    const pixel = pixelAt(camera.position.distanceTo(navigation.target));
-    return figuresOf(models, stats, { name, engineBytes: engineBytesOf(models), framesPerSecond, pixel });
+  /** Of all models together: the engine is one. */
+  function figures(stats: FrameStats): Figures {
+    return figuresOf(shown, stats, { name: card!.name, engineBytes, framesPerSecond, pixel: pixelAt(pivotDistance()) });
   }
-  /** The engine as a whole, or what it holds of one model. */
-  function engineBytesOf(models: readonly Shown[]): number | undefined {
-    const [first] = models;
-    const own = (first?.object.info?.hierarchyBytes ?? 0) + (first?.object.stats?.frontBytes ?? 0);
-    return models.length === shown.length ? (engineBytes ?? own) : own;
+  function figuresOfEach(): (Figures | undefined)[] {
+    return shown.map((model) => {
+      const { stats, info } = model.object;
+      if (!stats || !info) return undefined;
+      const engineBytes = info.hierarchyBytes + stats.frontBytes;
+      return figuresOf([model], stats, { name: model.card.name, engineBytes, framesPerSecond, pixel: pixelAt(pivotDistance()) });
+    });
+  }
+  function pivotDistance(): number {
+    return camera.position.distanceTo(navigation.target);
   }
 
   async function shot(): Promise<void> {
@@ -396,7 +401,7 @@ export function start(stage: Stage, settings: Settings, address: Address): void 
       around.union(model.object.geometry.boundingSphere!.clone().applyMatrix4(model.object.matrixWorld));
     }
     if (frustum) around.union(frustum.around);
-    if (!around.isEmpty()) stage.fitDepth(around, camera.position.distanceTo(navigation.target));
+    if (!around.isEmpty()) stage.fitDepth(around, pivotDistance());
   }
 
   let lastFrame = 0;
@@ -430,13 +435,13 @@ export function start(stage: Stage, settings: Settings, address: Address): void 
     measuring.update(drawn);
     const all = stats();
     if (all && all !== answered && (all.refined || all.coarsened || all.evaluations)) {
-      if (!sameAnswer(all, answered)) panel.record(figures(shown, all, card!.name));
+      if (!sameAnswer(all, answered)) panel.record(figures(all));
       answered = all;
     }
     if (all && figuresLate && now - lastFigures > FIGURES_MS) {
       figuresLate = false;
       lastFigures = now;
-      panel.show(figures(shown, all, card!.name), shown.map((model) => model.object.stats && figures([model], model.object.stats, model.card.name)));
+      panel.show(figures(all), figuresOfEach());
     }
     // Whether all is settled takes a look at every view: only where someone wants to know.
     if (waiting.length > 0 && all && (settings.now.frozen || budget?.settled) && !drawn && !dirty) {

@@ -34,7 +34,7 @@ export function makeCompare(settings: Settings, stage: Stage, changed: () => voi
   );
   const [left, right] = [make("span", { class: "left" }), make("span", { class: "right" })];
   handle.append(left, right);
-  element("tools").before(handle);
+  element("dock").before(handle);
 
   let shown: readonly Shown[] = [];
   let originals: MeshfrontObject[] = [];

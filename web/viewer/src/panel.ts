@@ -9,8 +9,6 @@ import { bytes, count, fixed, label, length, pixels, texts, worded } from "./tex
 export interface Panel {
   /** The models are these now. */
   setModels(shown: readonly Shown[]): void;
-  /** The number of the model that the figures are asked of; `undefined`: of all. */
-  readonly subject: number | undefined;
   /** One answer of the engine, for the charts. */
   record(figures: Figures): void;
   show(figures: Figures, each: readonly (Figures | undefined)[]): void;
@@ -84,7 +82,10 @@ export function makePanel(settings: Settings, { setVisible, say }: PanelActions)
     subject.value = chosen;
   }
   worded(name);
-  worded(() => latest && show(latest, latestOfEach));
+  subject.addEventListener("change", () => again());
+  const again = () => latest && show(latest, latestOfEach);
+  worded(again);
+  settings.on("unit", again);
 
   function show(figures: Figures, each: readonly (Figures | undefined)[]): void {
     [latest, latestOfEach] = [figures, each];
@@ -138,7 +139,6 @@ export function makePanel(settings: Settings, { setVisible, say }: PanelActions)
         return make("li", {}, make("label", {}, box, make("span", { class: "model-name" }, card.name)), line);
       }));
     },
-    get subject() { return subject.value === "" ? undefined : Number(subject.value); },
     record(figures) {
       charts.updates!.push(figures.refined + figures.coarsened);
       charts.evaluations!.push(figures.evaluations);
