@@ -66,7 +66,8 @@ async function take(files: File[], options: DropOptions): Promise<void> {
 /** What the program says while it builds, one line each. */
 interface Said {
   phase?: string;
-  fraction?: number;
+  /** `null` where nobody knows. */
+  fraction?: number | null;
   model?: unknown;
   error?: string;
   remedy?: string;
@@ -74,14 +75,14 @@ interface Said {
 
 async function build(file: File, tell: DropOptions["building"]): Promise<ModelCard | Refusal> {
   const { name } = file;
-  tell(name, "sending", undefined);
+  tell(name, "send", undefined);
   try {
     const response = await fetch(`build?name=${encodeURIComponent(name)}`, { method: "POST", headers: { "X-Meshfront": "build" }, body: file });
     if (!response.ok || !response.body) return { name, why: "broken" };
     for await (const said of lines(response.body)) {
       if (said.error !== undefined) return { name, why: "not-built", what: said.error, remedy: said.remedy ?? "" };
       if (isModel(said.model)) return said.model;
-      if (said.phase !== undefined) tell(name, said.phase, said.fraction);
+      if (said.phase !== undefined) tell(name, said.phase, said.fraction ?? undefined);
     }
   } catch {
     // Told below: a line that breaks off and a program that ended are the same to the reader.

@@ -17,6 +17,7 @@ let stage: Stage | undefined;
 try {
   stage = makeStage(element<HTMLCanvasElement>("picture"));
 } catch {
+  element("picture").hidden = true;
   followTheme(settings, () => {});
   element("loading").hidden = true;
   makeFailure().show((t) => t.failures.noWebgl, { reload: true });

@@ -24,7 +24,7 @@ const FIRST_LOOK = new Vector3(0.38, 0.28, 0.88).normalize();
 const TRAVEL_S = 0.4;
 /** A wheel that rests this long starts anew, milliseconds. */
 const WHEEL_REST_MS = 250;
-/** How fast flying comes up to speed and to rest again, 1/s. */
+/** How fast a turn comes to rest, and flying to speed and to rest again, 1/s. */
 const BRAKE = 7;
 
 export interface Navigation {
@@ -48,7 +48,6 @@ export interface Navigation {
 export function makeNavigation(stage: Stage, pick: (at: Vector2) => number | undefined): Navigation {
   const { camera, canvas } = stage;
   const orbit = new OrbitControls(camera, canvas);
-  orbit.dampingFactor = 0.12;
   orbit.zoomToCursor = true;
   orbit.zoomSpeed = 1.4;
   const still = matchMedia("(prefers-reduced-motion: reduce)");
@@ -155,6 +154,8 @@ export function makeNavigation(stage: Stage, pick: (at: Vector2) => number | und
         return true;
       }
       if (flight) return flight.update(seconds, still.matches);
+      // The controls count frames; time is what a hand feels.
+      orbit.dampingFactor = MathUtils.clamp(1 - Math.exp(-BRAKE * seconds), 0.02, 0.9);
       return orbit.update();
     },
     bound(box) {

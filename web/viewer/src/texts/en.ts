@@ -22,11 +22,11 @@ export const en = {
     fetching: (name: string, done: string) => `Loading ${name} … ${done}`,
     refining: "Refining …",
     building: (name: string, done: string) => `Building ${name} … ${done}`,
+    /** By the program's own names. */
     phases: {
-      reading: "reading", cleaning: "cleaning", surveying: "looking at its shape", simplifying: "simplifying",
-      measuring: "measuring errors", writing: "writing",
+      send: "sending", wait: "waiting for another build", read: "reading", clean: "cleaning", survey: "looking at its shape",
+      simplify: "simplifying", measure: "measuring errors", write: "writing",
     } as Record<string, string>,
-    sending: "sending",
   },
 
   tools: {

@@ -19,10 +19,9 @@ export const pt: Texts = {
     refining: "A refinar …",
     building: (name, done) => `A construir ${name} … ${done}`,
     phases: {
-      reading: "leitura", cleaning: "limpeza", surveying: "análise da forma", simplifying: "simplificação",
-      measuring: "medição de erros", writing: "escrita",
+      send: "envio", wait: "à espera de outra construção", read: "leitura", clean: "limpeza", survey: "análise da forma",
+      simplify: "simplificação", measure: "medição de erros", write: "escrita",
     },
-    sending: "envio",
   },
 
   tools: {
