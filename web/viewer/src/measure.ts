@@ -2,7 +2,7 @@
 
 import type { MeshfrontObject } from "@meshfront/three";
 import { type PerspectiveCamera, Vector2, Vector3 } from "three";
-import { make } from "./dom.js";
+import { element, make } from "./dom.js";
 import { type Hit, pick } from "./picking.js";
 import type { Settings } from "./settings.js";
 import { attribute, count, figures, label, length, texts, worded } from "./texts/index.js";
@@ -67,8 +67,7 @@ export function makeMeasuring(settings: Settings, scenery: Scenery): Measuring {
   overlay.setAttribute("class", "overlay");
   overlay.setAttribute("aria-hidden", "true");
   canvas.after(overlay);
-  const readout = make("dl", { id: "readout", class: "readout", hidden: true });
-  overlay.after(readout);
+  const readout = element("readout");
 
   const results = make("ul", { id: "distances", class: "distances" });
   const advice = make("p", { class: "quiet" });
