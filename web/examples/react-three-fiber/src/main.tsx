@@ -10,7 +10,7 @@ function Model({ say }: { say: (text: string) => void }) {
   const [picked, setPicked] = useState(false);
   const look = useCallback((object: MeshfrontObject) => {
     const { center, radius } = object.geometry.boundingSphere!;
-    camera.position.copy(center).add(new Vector3(0, 0.5, 2.6).multiplyScalar(radius));
+    camera.position.copy(center).add(new Vector3(0, 0.4, 1.7).multiplyScalar(radius));
     camera.lookAt(center);
   }, [camera]);
   return (

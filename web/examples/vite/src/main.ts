@@ -15,9 +15,9 @@ const renderer = new WebGLRenderer({ canvas, antialias: true });
 renderer.shadowMap.enabled = true;
 renderer.setClearColor(0xb9c3cc);
 const camera = new PerspectiveCamera(40, 1, 0.05, 60);
-camera.position.set(0, 3, 8);
+camera.position.set(0, 2.4, 6.5);
 const controls = new OrbitControls(camera, canvas);
-controls.target.set(0, 0.8, 0);
+controls.target.set(0, 0.9, -0.8);
 
 const scene = new Scene();
 const sun = new DirectionalLight(0xfff1e0, 3);
@@ -43,12 +43,11 @@ models.forEach((model, i) => {
     if (budget.settled) said.textContent = `${drawn.toLocaleString()} triangles are drawn`;
   });
   void model.ready.then(() => {
-    const { center, radius } = model.geometry.boundingSphere!;
-    model.scale.setScalar(1 / radius);
-    model.position.copy(center).multiplyScalar(-1 / radius);
-    model.position.x += 2.1 * (i - 1);
-    model.position.y += 1;
-    model.position.z -= 3 * Math.abs(i - 1);
+    // Two units high, its foot on the table.
+    const box = model.geometry.boundingBox!;
+    const scale = 2 / (box.max.y - box.min.y);
+    model.scale.setScalar(scale);
+    model.position.set(2.4 * (i - 1), -scale * box.min.y, -2.5 * Math.abs(i - 1));
     scene.add(model);
   });
 });
