@@ -1,28 +1,49 @@
-import { MeshfrontClient, MeshfrontError, type FrameStats, type FrameUpdate, type View } from "@meshfront/core";
+import {
+  MeshfrontClient, MeshfrontError, type FrameStats, type FrameUpdate, type Shade, type View, type WorkerPort,
+} from "@meshfront/core";
 import { sameView } from "./view.js";
+
+/** What an object wants its front to be. */
+export interface Wanted {
+  /** From where it is looked at; the finest counts everywhere. Never empty. */
+  views: View[];
+  /** The column to colour by. */
+  shade: Shade | undefined;
+}
 
 /** What a budget asks of an object that shares it. */
 export interface Member {
   /** The number of its model, once that is open. */
   readonly model: number | undefined;
-  /** Where its front is to be; `undefined`: as it is. */
-  wantedView(): View | undefined;
-  /** What its last answer said, and for which view. */
-  readonly last: { view: View; stats: FrameStats } | undefined;
-  apply(frame: FrameUpdate, view: View): void;
+  /** What its front is to be; `undefined`: as it is. */
+  wanted(): Wanted | undefined;
+  /** What its last answer said, and to what. */
+  readonly last: { wanted: Wanted; stats: FrameStats } | undefined;
+  /** Bytes of its buffers. */
+  readonly bufferBytes: number;
+  apply(frame: FrameUpdate, wanted: Wanted): void;
+  /** Tells who listens what the last `apply` brought. */
+  announce(): void;
   fail(error: MeshfrontError): void;
 }
 
-/** How a `MeshfrontBudget` starts. Both may be changed later. */
+/** How a `MeshfrontBudget` starts. All but the worker may be changed later. */
 export interface BudgetOptions {
   /** The most triangles that all fronts together may hold; no limit by default. */
   maxTriangles?: number;
+  /**
+   * The most bytes that all fronts together may take: in the engine, and in buffers, once in memory and once on the graphics
+   * card. Hierarchies do not count. No limit by default.
+   */
+  maxBytes?: number;
   /** Time in the worker per update, milliseconds; 6 by default. */
   deadlineMs?: number;
+  /** Starts the worker; by default the one of `@meshfront/core`. */
+  worker?: () => WorkerPort;
 }
 
 /**
- * One worker, one triangle budget and one deadline for several objects: what looks worst in any of them comes first.
+ * One worker, one budget and one deadline for several objects: what looks worst in any of them comes first.
  *
  * ```ts
  * const budget = new MeshfrontBudget({ maxTriangles: 1e6 });
@@ -33,30 +54,44 @@ export interface BudgetOptions {
  */
 export class MeshfrontBudget {
   maxTriangles: number;
+  maxBytes: number;
   deadlineMs: number;
   /** The line to the worker, for what this class does not offer. */
-  readonly client = new MeshfrontClient();
+  readonly client: MeshfrontClient;
 
   private readonly members = new Set<Member>();
-  private asked: { members: Member[]; maxTriangles: number } | undefined;
+  private asked: { members: Member[]; maxTriangles: number; maxBytes: number } | undefined;
   private inFlight = false;
+  private again = false;
   private broken = false;
 
   constructor(options: BudgetOptions = {}) {
     this.maxTriangles = options.maxTriangles ?? Infinity;
+    this.maxBytes = options.maxBytes ?? Infinity;
     this.deadlineMs = options.deadlineMs ?? 6;
+    this.client = new MeshfrontClient(options.worker);
   }
 
-  /** Whether every front is all that its camera asks for, as far as the budget allows. */
+  /** Whether every front is all that its cameras ask for, as far as the budget allows. */
   get settled(): boolean {
-    return !this.inFlight && this.isSettled(this.views());
+    return !this.inFlight && this.isSettled(this.jobs());
   }
 
-  /** Asks for the fronts of the objects' present views, where there is something to ask for. */
+  /**
+   * Asks for the fronts of the objects' present views, where there is something to ask for. While an answer is on its way, it asks
+   * when that is there.
+   */
   update(): void {
+    this.again = this.inFlight;
     if (this.inFlight || this.broken) return;
-    const views = this.views();
-    if (views.length > 0 && !this.isSettled(views)) void this.adapt(views);
+    const jobs = this.jobs();
+    if (jobs.length > 0 && !this.isSettled(jobs)) void this.adapt(jobs);
+  }
+
+  /** Bytes: of the engine, hierarchies and fronts of all models included; and of the buffers of all objects. */
+  async memory(): Promise<{ engineBytes: number; bufferBytes: number }> {
+    const engineBytes = await this.client.memory();
+    return { engineBytes, bufferBytes: [...this.members].reduce((sum, { bufferBytes }) => sum + bufferBytes, 0) };
   }
 
   /** Ends the worker. */
@@ -71,52 +106,66 @@ export class MeshfrontBudget {
   }
   /** @internal */
   leave(member: Member): void {
-    this.members.delete(member);
+    if (!this.members.delete(member)) return;
     if (member.model !== undefined) this.client.close(member.model);
     // There may be room for the others now.
     this.asked = undefined;
   }
 
-  private views(): { member: Member; model: number; view: View }[] {
+  private jobs(): Job[] {
     return [...this.members].flatMap((member) => {
-      const view = member.model === undefined ? undefined : member.wantedView();
-      return view ? [{ member, model: member.model!, view }] : [];
+      const wanted = member.model === undefined ? undefined : member.wanted();
+      return wanted ? [{ member, model: member.model!, wanted }] : [];
     });
   }
 
-  private isSettled(views: { member: Member; view: View }[]): boolean {
+  private isSettled(jobs: Job[]): boolean {
     const { asked } = this;
-    if (asked?.maxTriangles !== this.maxTriangles || asked.members.length !== views.length) return false;
-    return views.every(({ member, view }, i) =>
-      asked.members[i] === member && member.last?.stats.settled && sameView(member.last.view, view));
+    if (asked?.maxTriangles !== this.maxTriangles || asked.maxBytes !== this.maxBytes) return false;
+    if (asked.members.length !== jobs.length) return false;
+    return jobs.every(({ member, wanted }, i) =>
+      asked.members[i] === member && member.last?.stats.settled && sameWanted(member.last.wanted, wanted));
   }
 
-  private async adapt(views: { member: Member; model: number; view: View }[]): Promise<void> {
+  private async adapt(jobs: Job[]): Promise<void> {
     this.inFlight = true;
-    const { maxTriangles, deadlineMs } = this;
+    const { maxTriangles, maxBytes, deadlineMs } = this;
+    let frames: FrameUpdate[] | undefined;
     try {
-      const frames = await this.client.adapt(views.map(({ model, view }) => ({ model, views: [view] })), { maxTriangles, maxBytes: Infinity, deadlineMs });
-      this.asked = { members: views.map(({ member }) => member), maxTriangles };
-      frames?.forEach((frame, i) => {
-        const { member, view } = views[i]!;
-        if (this.members.has(member)) member.apply(frame, view);
-      });
+      const views = jobs.map(({ model, wanted: { views, shade } }) => ({ model, views, ...(shade ? { shade } : {}) }));
+      frames = await this.client.adapt(views, { maxTriangles, maxBytes, deadlineMs });
     } catch (thrown) {
       this.broken = true;
       for (const member of this.members) member.fail(MeshfrontError.from(thrown));
+      return;
     } finally {
       this.inFlight = false;
     }
+    this.asked = { members: jobs.map(({ member }) => member), maxTriangles, maxBytes };
+    const present = jobs.map((job, i) => ({ ...job, frame: frames?.[i] })).filter(({ member }) => this.members.has(member));
+    for (const { member, frame, wanted } of present) if (frame) member.apply(frame, wanted);
     // Drawing may be slower than the engine: the worker need not wait for the next frame to go on.
-    if (views.some(({ member }) => member.last?.stats.settled === false)) this.update();
+    if (this.again || present.some(({ member }) => member.last?.stats.settled === false)) this.update();
+    for (const { member } of present) member.announce();
   }
+}
+
+interface Job {
+  member: Member;
+  model: number;
+  wanted: Wanted;
+}
+
+/** Whether two fronts would be the same. */
+export function sameWanted(a: Wanted, b: Wanted): boolean {
+  return a.shade === b.shade && sameView(a.views, b.views);
 }
 
 /** The statistics of several fronts as if they were one. */
 export function totalStats(all: FrameStats[]): FrameStats | undefined {
   if (all.length === 0) return undefined;
-  const sum = (key: "triangles" | "vertices" | "frontBytes" | "refined" | "coarsened" | "evaluations" | "gatherMs" | "uploadBytes") =>
-    all.reduce((total, stats) => total + stats[key], 0);
+  type Summed = "triangles" | "vertices" | "frontBytes" | "refined" | "coarsened" | "evaluations" | "gatherMs" | "uploadBytes";
+  const sum = (key: Summed) => all.reduce((total, stats) => total + stats[key], 0);
   return {
     triangles: sum("triangles"),
     vertices: sum("vertices"),

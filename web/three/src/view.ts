@@ -13,39 +13,57 @@ const meshFromWorld = new Matrix4();
 const meshFromCamera = new Matrix4();
 const point = new Vector3();
 
+/** The size of a picture, device pixels. */
+export interface Resolution {
+  width: number;
+  height: number;
+}
+
+/** An orthographic camera is a perspective one so many depths away: then pixels are at most 2 % smaller in front than behind. */
+const DEPTHS_AWAY = 50;
+
 /**
- * A perspective camera as seen from the space of a mesh. Both world matrices must be up to date.
+ * A camera as seen from the space of a mesh. Both world matrices must be up to date.
  *
  * Where the mesh is moved, turned, mirrored or scaled by one factor, the view is the camera's own. Where its axes are
  * scaled differently, no camera in mesh space makes the same picture: nothing is culled then, and the tolerance shrinks
  * by the ratio of the smallest to the largest scale, so that the promise in pixels still holds.
  *
- * @param height of the picture, device pixels; its width follows from the camera's aspect
- * @throws TypeError where the camera is not a perspective one
+ * An orthographic camera becomes a perspective one far behind it, whose picture holds all that it sees in pixels that are no
+ * larger.
  */
-export function meshView(camera: Camera, worldFromMesh: Matrix4, height: number, quality: Quality): View {
+export function meshView(camera: Camera, worldFromMesh: Matrix4, resolution: Resolution, quality: Quality): View {
   const p = camera.projectionMatrix.elements;
-  if (p[15] !== 0) throw new TypeError("a pixel tolerance needs a perspective camera");
+  const parallel = p[15] !== 0;
   const { smallest, largest } = scales(worldFromMesh);
   const similar = largest - smallest <= 1e-3 * largest;
   // An off-centre picture (setViewOffset, a tile of a larger image, one eye of a headset) is part of a larger one
   // that lies around the axis. It has the same pixels.
-  const [halfWidth, halfHeight] = [(1 + Math.abs(p[8]!)) / p[0]!, (1 + Math.abs(p[9]!)) / p[5]!];
-  const pixels = (height / 2) * p[5]!;
+  const [shiftX, shiftY] = parallel ? [p[12]!, p[13]!] : [p[8]!, p[9]!];
+  // Half of the picture, and pixels: at a distance of one, or anywhere.
+  let [halfWidth, halfHeight] = [(1 + Math.abs(shiftX)) / p[0]!, (1 + Math.abs(shiftY)) / p[5]!];
+  // Where pixels are not as wide as high, the smaller side counts.
+  let pixels = Math.max(resolution.width * p[0]!, resolution.height * p[5]!) / 2;
+  let { near = 0, far = 0 } = camera as { near?: number; far?: number };
+  const back = parallel ? DEPTHS_AWAY * Math.max(far - near, 1e-6 * halfHeight) : 0;
+  if (parallel) {
+    [near, far] = [back + near, back + far];
+    [halfWidth, halfHeight, pixels] = [halfWidth / near, halfHeight / near, pixels * far];
+  }
 
   meshFromWorld.copy(worldFromMesh).invert();
   meshFromCamera.multiplyMatrices(meshFromWorld, camera.matrixWorld);
   const at = (x: number, y: number, z: number): Vec3 => point.set(x, y, z).applyMatrix4(meshFromCamera).toArray();
-  const eye = at(0, 0, 0);
-  const above = at(0, 1, 0);
+  const eye = at(0, 0, back);
+  const above = at(0, 1, back);
   const view: View = {
     eye,
-    target: at(0, 0, -1),
+    target: at(0, 0, back - Math.max(1, back)),
     up: [above[0] - eye[0], above[1] - eye[1], above[2] - eye[2]],
     fovY: 2 * Math.atan(halfHeight),
     width: 2 * pixels * halfWidth,
     height: 2 * pixels * halfHeight,
-    near: roundDown(((camera as { near?: number }).near ?? 0) / largest),
+    near: roundDown(near / largest),
     tolerancePx: (quality.tolerancePx * smallest) / largest,
     frustum: quality.frustum && similar,
     orientation: quality.orientation,
@@ -79,7 +97,7 @@ export function scales(transform: Matrix4): { smallest: number; largest: number 
   return { smallest: Math.sqrt(Math.max(smallest, 0)), largest: Math.sqrt(largest) };
 }
 
-/** Whether two views ask for the same front. */
-export function sameView(a: View, b: View): boolean {
+/** Whether two views, or two lists of them, ask for the same front. */
+export function sameView<T extends View | readonly View[]>(a: T, b: T): boolean {
   return JSON.stringify(a) === JSON.stringify(b);
 }

@@ -1,4 +1,4 @@
-import { Euler, Matrix4, PerspectiveCamera, Quaternion, Vector3 } from "three";
+import { Euler, Matrix4, OrthographicCamera, PerspectiveCamera, Quaternion, Vector3 } from "three";
 import { expect, test } from "vitest";
 import { meshView, scales, type Quality } from "../src/view.js";
 
@@ -6,6 +6,7 @@ const QUALITY: Quality = {
   tolerancePx: 2, frustum: true, orientation: true, region: undefined,
 };
 const HEIGHT = 800;
+const SIZE = { width: 1200, height: HEIGHT };
 
 function cameraAt(eye: Vector3, target: Vector3): PerspectiveCamera {
   const camera = new PerspectiveCamera(50, 1.5, 0.1, 100);
@@ -31,7 +32,7 @@ function pixels(view: ReturnType<typeof meshView>, point: Vector3): [number, num
 test.each([1, 0.01, 250])("a point lies where the camera sees it, whatever the mesh's place (scale %d)", (scale) => {
   const camera = cameraAt(new Vector3(5, 4, 6), new Vector3(3, -2, 1));
   const world = move(new Vector3(scale, scale, scale));
-  const view = meshView(camera, world, HEIGHT, QUALITY);
+  const view = meshView(camera, world, SIZE, QUALITY);
   expect(view.width).toBeCloseTo(1200);
   expect(view.tolerancePx).toBeCloseTo(2, 3);
   expect(view.frustum).toBe(true);
@@ -48,7 +49,7 @@ test.each([1, 0.01, 250])("a point lies where the camera sees it, whatever the m
 
 test("an uneven scale asks for more, and culls nothing outside of the picture", () => {
   const camera = cameraAt(new Vector3(5, 4, 6), new Vector3());
-  const view = meshView(camera, move(new Vector3(1, 4, 2)), HEIGHT, QUALITY);
+  const view = meshView(camera, move(new Vector3(1, 4, 2)), SIZE, QUALITY);
   expect(view.frustum).toBe(false);
   expect(view.tolerancePx).toBeCloseTo(0.5);
 });
@@ -66,7 +67,7 @@ test("an off-centre picture keeps its pixels, and what it shows lies within the 
   const camera = cameraAt(new Vector3(5, 4, 6), new Vector3());
   camera.setViewOffset(2400, 1600, 1300, 0, 1200, 800);
   camera.updateProjectionMatrix();
-  const view = meshView(camera, new Matrix4(), HEIGHT, QUALITY);
+  const view = meshView(camera, new Matrix4(), SIZE, QUALITY);
   expect(view.frustum).toBe(true);
   // The middle of the whole picture, in device pixels of the tile.
   const [middleX, middleY] = [1200 - 1300, 800];
@@ -77,5 +78,35 @@ test("an off-centre picture keeps its pixels, and what it shows lies within the 
     expect(middleY - y).toBeCloseTo(((1 - ndc[1]) / 2) * 800, 1);
     expect(Math.abs(x)).toBeLessThanOrEqual(view.width / 2 + 0.1);
     expect(Math.abs(y)).toBeLessThanOrEqual(view.height / 2 + 0.1);
+  }
+});
+
+test("where pixels are narrower than high, their width counts", () => {
+  const camera = cameraAt(new Vector3(5, 4, 6), new Vector3());
+  expect(meshView(camera, new Matrix4(), { width: 2400, height: HEIGHT }, QUALITY).height).toBeCloseTo(2 * HEIGHT);
+  expect(meshView(camera, new Matrix4(), { width: 600, height: HEIGHT }, QUALITY).height).toBeCloseTo(HEIGHT);
+});
+
+test("an orthographic camera: all it sees lies within the view, in pixels hardly larger", () => {
+  const camera = new OrthographicCamera(-3, 3, 2, -2, 0.1, 40);
+  camera.position.set(5, 4, 6);
+  camera.lookAt(3, -2, 1);
+  camera.setViewOffset(2400, 1600, 1300, 0, 1200, 800);
+  camera.updateMatrixWorld();
+  const world = move(new Vector3(0.5, 0.5, 0.5));
+  const view = meshView(camera, world, SIZE, QUALITY);
+  const meshFromWorld = world.clone().invert();
+  const inPicture = (x: number, y: number, z: number) => pixels(view, new Vector3(x, y, z).unproject(camera).applyMatrix4(meshFromWorld));
+  for (const z of [-1, 0, 1]) {
+    for (const [x, y] of [[-1, -1], [1, 1], [0.3, -0.6]] as const) {
+      const [px, py] = inPicture(x, y, z);
+      expect(Math.abs(px)).toBeLessThanOrEqual(view.width / 2 + 0.1);
+      expect(Math.abs(py)).toBeLessThanOrEqual(view.height / 2 + 0.1);
+      const [right, below] = inPicture(x + 0.01, y - 0.01, z);
+      expect(right - px).toBeGreaterThan(0.0099 * 600);
+      expect(right - px).toBeLessThan(0.0103 * 600);
+      expect(py - below).toBeGreaterThan(0.0099 * 400);
+      expect(py - below).toBeLessThan(0.0103 * 400);
+    }
   }
 });
