@@ -94,8 +94,9 @@ mod tests {
 
     /// Memory that goes in steps, as allocators give it.
     fn bytes_of(triangles: f64) -> f64 {
-        1000.0 + 137.0 * (triangles / 512.0).ceil() * 512.0
+        1000.0 + STEP * (triangles / 512.0).ceil()
     }
+    const STEP: f64 = 137.0 * 512.0;
 
     #[test]
     fn a_cap_finds_what_fits_and_stays_there() {
@@ -112,7 +113,7 @@ mod tests {
                 }
             }
             let used = bytes_of(cap.triangles);
-            assert!(used <= bytes && used > 0.85 * bytes, "{used} of {bytes}");
+            assert!(used <= bytes && used > 0.85 * bytes - STEP, "{used} of {bytes}");
             assert!(changes < 12, "{changes} changes");
         }
     }
