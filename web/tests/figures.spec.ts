@@ -183,6 +183,7 @@ window.figures = async (minutes) => {
 
   if (minutes > 0) {
     const { sampled } = await fly(60 * minutes, async () => {
+      await window.collect();
       const { engineBytes, bufferBytes } = await object.budget.memory();
       return { engineBytes, bufferBytes, heap: performance.memory?.usedJSHeapSize ?? 0, geometries: renderer.info.memory.geometries };
     });
@@ -214,6 +215,8 @@ test("figures", async ({ page }) => {
     <script type="importmap">${JSON.stringify({ imports })}</script><script type="module" src="page.js"></script>`);
   const server = await serveFolder(folder);
   page.on("pageerror", (error) => console.log(error));
+  // What lies in the heap is what is used, not what was.
+  await page.exposeFunction("collect", () => page.requestGC());
   try {
     await page.goto(server.url);
     await page.waitForFunction(() => "figures" in window);

@@ -208,8 +208,9 @@ function expected<T extends Answer["type"]>(answer: Answer, type: T): Extract<An
 }
 
 function startWorker(): WorkerPort {
-  const isElsewhere = new URL(import.meta.url).origin !== location.origin;
-  if (isElsewhere) return startFromElsewhere();
+  const { protocol, origin } = new URL(import.meta.url);
+  // Some bundlers write the place on the disk here, and the right one where the worker is started.
+  if (protocol.startsWith("http") && origin !== location.origin) return startFromElsewhere();
   return new Worker(new URL("./worker.js", import.meta.url), { type: "module", name: "meshfront" });
 }
 
