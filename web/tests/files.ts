@@ -16,6 +16,8 @@ export const screenshots = join(target, "screenshots");
 export const models = join(target, "e2e");
 /** A bumpy surface as a scanner sees it: 120,000 triangles. */
 export const model = join(models, "scan.front");
+/** The same in small, for pictures that are drawn in software by the dozen: 20,000 triangles. */
+export const small = join(models, "small.front");
 
 /** A made-up terrain: 513 × 513 heights. */
 export const terrain = join(models, "terrain.front");

@@ -3,29 +3,13 @@
 import { execFileSync } from "node:child_process";
 import { copyFileSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { AxeBuilder } from "@axe-core/playwright";
 import { expect, test, type Page } from "@playwright/test";
 import pixelmatch from "pixelmatch";
 import { PNG } from "pngjs";
-import type { FlyByReport, FrameStats, ModelInfo, Vec3 } from "../core/src/index.js";
+import type { FlyByReport } from "../core/src/index.js";
 import { binary, model, models, screenshots, view, type Server, terrain } from "./files.js";
+import { complaints, eye, lookFrom, type Meshfront, open as openAt, openSection, settled, shot, tabTo } from "./page.js";
 
-/** What the page offers to consoles. */
-interface Meshfront {
-  settled(): Promise<FrameStats>;
-  stats(): FrameStats | undefined;
-  info(): ModelInfo | undefined;
-  setCamera(eye: Vec3, target: Vec3): void;
-  setTolerance(px: number): void;
-  setBudget(triangles: number): void;
-  freeze(on: boolean): void;
-  flyBy(): Promise<FlyByReport>;
-  camera: { position: { toArray(): Vec3 } };
-  objects: {
-    addEventListener(type: string, listener: () => void): void;
-    geometry: { attributes: Record<string, { array: ArrayBufferView }>; index: { array: ArrayBufferView } };
-  }[];
-}
 declare const window: {
   meshfront: Meshfront;
   innerWidth: number;
@@ -38,33 +22,7 @@ let server: Server;
 test.beforeAll(async () => { server = await view(model, "--credit", "A made-up scan, by procedure"); });
 test.afterAll(() => server.stop());
 
-async function open(page: Page, query = "", at = server): Promise<FrameStats> {
-  const errors: Error[] = [];
-  page.on("pageerror", (error) => errors.push(error));
-  await page.goto(at.url + query);
-  await page.waitForFunction(() => window.meshfront?.stats() !== undefined);
-  expect(errors).toEqual([]);
-  return settled(page);
-}
-const settled = (page: Page) => page.evaluate(() => window.meshfront.settled());
-const shot = (page: Page, name: string) => page.screenshot({ path: join(screenshots, `${name}.png`) });
-
-/** What axe finds to say against the page as a screen reader or a weak eye meets it. */
-async function complaints(page: Page): Promise<string[]> {
-  const { violations } = await new AxeBuilder({ page }).analyze();
-  return violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html).join(" ")}`);
-}
-
-/** Eye and target on a line into the model's box: 1 is as far as the model is large. */
-async function lookFrom(page: Page, distance: number): Promise<FrameStats> {
-  await page.evaluate((distance) => {
-    const { min, max } = window.meshfront.info()!;
-    const center = [0, 1, 2].map((i) => (min[i]! + max[i]!) / 2) as unknown as Vec3;
-    const size = Math.hypot(...[0, 1, 2].map((i) => max[i]! - min[i]!));
-    window.meshfront.setCamera([center[0] + 0.3 * size * distance, center[1], center[2] + size * distance], center);
-  }, distance);
-  return settled(page);
-}
+const open = (page: Page, query = "", at = server) => openAt(page, query, at);
 
 test("the page loads, and says what it shows", async ({ page }) => {
   const stats = await open(page);
@@ -214,8 +172,9 @@ test("tolerance, budget and freezing", async ({ page }) => {
 
 test("wireframe and levels", async ({ page }) => {
   await open(page, "?tolerance=4");
+  await openSection(page, "look");
   await page.getByLabel("Wireframe").check();
-  await page.getByLabel("Colour by level").check();
+  await page.getByLabel("Colour by").selectOption("Level");
   await settled(page);
   await shot(page, "wireframe-levels");
 });
@@ -246,23 +205,17 @@ test("a small screen, by keyboard alone", async ({ page }) => {
   const overflow = await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
   expect(overflow).toBeLessThanOrEqual(0);
   await shot(page, "small");
-  const eye = () => page.evaluate(() => window.meshfront.camera.position.toArray());
   await page.keyboard.press("Tab");
   await expect(page.locator("#picture")).toBeFocused();
-  const before = await eye();
+  const before = await eye(page);
   await page.keyboard.press("ArrowLeft");
-  await expect.poll(eye).not.toEqual(before);
-  await page.keyboard.press("Tab");
+  await expect.poll(() => eye(page)).not.toEqual(before);
+  await tabTo(page, "#panel > summary");
   await page.keyboard.press("Enter");
   await expect(page.getByLabel("Tolerance")).toBeVisible();
   await settled(page);
   await shot(page, "small-panel");
-  for (const label of ["Tolerance", "Triangle budget", "Freeze front", "Wireframe", "Colour by level"]) {
-    await page.keyboard.press("Tab");
-    await expect(page.getByLabel(label)).toBeFocused();
-  }
-  await page.keyboard.press("Tab");
-  await expect(page.getByRole("button", { name: "Show all" })).toBeFocused();
+  for (const id of ["copy", "tolerance", "budget", "memory", "time", "freeze", "frustum", "orientation"]) await tabTo(page, `#${id}`, 3);
 });
 
 test("the worker flies as the native engine does", async ({ page }) => {

@@ -257,6 +257,14 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
     return this.budget.client.inspect(this.opened.model, this.frame, faceIndex);
   }
 
+  /**
+   * The spheres of the updates that would be applied next, worst first, in mesh space: centre and radius, four numbers each, of
+   * `most` updates at most.
+   */
+  async spheres(most: number): Promise<Float32Array> {
+    return this.opened ? this.budget.client.spheres(this.opened.model, most) : new Float32Array();
+  }
+
   /** Ends its worker, unless others share it, and frees the buffers; a material that was given is the caller's. */
   override dispose(): void {
     this.closing.abort();
@@ -333,7 +341,7 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
       get model() { return object.opened?.model; },
       get last() { return object.last; },
       get bufferBytes() { return object.bufferBytes; },
-      wanted: () => (object.frozen ? undefined : object.wanted()),
+      wanted: () => (object.frozen ? object.recolored() : object.wanted()),
       apply: (frame, wanted) => object.apply(frame, wanted),
       announce: () => object.announce(),
       fail(error: MeshfrontError) {
@@ -369,6 +377,11 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
     const error = MeshfrontError.from(thrown);
     if (!this.closing.signal.aborted) this.dispatchEvent({ type: "load-error", error });
     return error;
+  }
+
+  /** What it was made for, in other colours: a frozen front can be looked at that way, too. */
+  private recolored(): Wanted | undefined {
+    return this.last && this.last.wanted.shade !== this.column ? { ...this.last.wanted, shade: this.column } : undefined;
   }
 
   private wanted(): Wanted | undefined {

@@ -1,107 +1,153 @@
-/** The panel: what the front is, and what is asked of it. */
+/** The panel's figures: what the front is, with charts of the last answers, and the models one by one. */
 
-import type { FrameStats, ModelInfo } from "@meshfront/three";
-
-export interface Controls {
-  setTolerance(px: number): void;
-  setBudget(triangles: number): void;
-  freeze(on: boolean): void;
-  wireframe(on: boolean): void;
-  levels(on: boolean): void;
-  showAll(): void;
-}
+import { type Chart, makeChart } from "./charts.js";
+import { copyText, element, make } from "./dom.js";
+import type { Figures, Shown } from "./models.js";
+import type { Settings } from "./settings.js";
+import { bytes, count, fixed, label, length, pixels, texts, worded } from "./texts/index.js";
 
 export interface Panel {
-  /** Shows numbers of the last frame. */
-  show(stats: FrameStats): void;
-  /** Sets the sliders' ranges, once the models are known. */
-  setModels(infos: ModelInfo[]): void;
-  setTolerance(px: number): void;
-  setBudget(triangles: number): void;
-  setSwitch(name: "freeze" | "wireframe" | "levels", on: boolean): void;
+  /** The models are these now. */
+  setModels(shown: readonly Shown[]): void;
+  /** One answer of the engine, for the charts. */
+  record(figures: Figures): void;
+  show(figures: Figures, each: readonly (Figures | undefined)[]): void;
 }
 
-/** The tolerance slider is logarithmic: each step is 1/20 of a factor of ten, from 0.1 to 10^4 × that. */
-const FINEST_PX = 0.1;
-const STEPS_PER_DECADE = 40;
+const ROWS = [
+  "triangles", "vertices", "error", "errorAt", "updates", "evaluations", "engine", "upload", "engineMemory", "gpuMemory", "rate",
+] as const;
+type Row = (typeof ROWS)[number];
 
-export function element<T extends HTMLElement>(id: string): T {
-  const found = document.getElementById(id);
-  if (!found) throw new Error(`the page has no element "${id}"`);
-  return found as T;
+export interface PanelActions {
+  /** A model was switched on or off. */
+  setVisible(model: number, visible: boolean): void;
+  say(text: string): void;
 }
 
-export function makePanel(controls: Controls): Panel {
-  const tolerance = element<HTMLInputElement>("tolerance");
-  const budget = element<HTMLInputElement>("budget");
-  let base = 1;
-  let full = 1;
-
-  const pxOf = (step: number) => FINEST_PX * 10 ** (step / STEPS_PER_DECADE);
-  const budgetOf = (step: number) => (step >= 100 ? Infinity : Math.round(base * (full / base) ** (step / 100)));
-  const sayTolerance = (px: number) => {
-    const text = `${round(px)} px`;
-    element("tolerance-value").textContent = text;
-    tolerance.setAttribute("aria-valuetext", text);
-  };
-  const sayBudget = (triangles: number) => {
-    const text = triangles === Infinity ? "no limit" : count(triangles);
-    element("budget-value").textContent = text;
-    budget.setAttribute("aria-valuetext", text);
-  };
-
-  tolerance.addEventListener("input", () => {
-    sayTolerance(pxOf(Number(tolerance.value)));
-    controls.setTolerance(pxOf(Number(tolerance.value)));
+export function makePanel(settings: Settings, { setVisible, say }: PanelActions): Panel {
+  const panel = element("panel");
+  label(element("panel-name"), (t) => t.panel.name);
+  const subject = make("select", { id: "figures-of" });
+  const subjectField = make("div", { class: "field choice", hidden: true }, label(make("label", { for: "figures-of" }), (t) => t.panel.of), subject);
+  const cells = new Map<Row, HTMLElement>();
+  const charts: Partial<Record<Row, Chart>> = { updates: makeChart(), evaluations: makeChart(), engine: makeChart() };
+  const rows = ROWS.map((row) => {
+    const cell = make("dd", { id: `stat-${row}` });
+    cells.set(row, cell);
+    const name = label(make("dt"), (t) => t.panel[row]);
+    const chart = charts[row];
+    return chart ? make("div", {}, name, chart.svg, cell) : make("div", {}, name, cell);
   });
-  budget.addEventListener("input", () => {
-    sayBudget(budgetOf(Number(budget.value)));
-    controls.setBudget(budgetOf(Number(budget.value)));
-  });
-  for (const name of ["freeze", "wireframe", "levels"] as const) {
-    const box = element<HTMLInputElement>(name);
-    box.addEventListener("change", () => controls[name](box.checked));
+  const bites = make("p", { id: "bites", class: "bites", hidden: true });
+  const list = make("ul", { class: "models" });
+  const models = make("div", { hidden: true }, label(make("h3"), (t) => t.models.name), list);
+  const copy = label(make("button", { type: "button", id: "copy" }), (t) => t.panel.copy);
+  const byHand = make("textarea", { class: "by-hand", readonly: true, rows: 6, hidden: true });
+  worded((t) => byHand.setAttribute("aria-label", t.panel.notCopied));
+  const section = make("details", { class: "section", id: "figures", open: true }, label(make("summary"), (t) => t.panel.figures));
+  section.append(subjectField, make("dl", {}, ...rows), bites, models, copy, byHand);
+  panel.append(section);
+
+  let latest: Figures | undefined;
+  let latestOfEach: readonly (Figures | undefined)[] = [];
+  let saidBites = "";
+  copy.addEventListener("click", () => void copyFigures());
+
+  async function copyFigures(): Promise<void> {
+    const { tolerancePx, maxTriangles, maxBytes, deadlineMs } = settings.now;
+    const report = {
+      // JSON has no infinity: a limit that is none is left out.
+      asked: { tolerancePx, deadlineMs, ...limit({ maxTriangles, maxBytes }) },
+      sum: latest,
+      models: latestOfEach.filter(Boolean),
+      userAgent: navigator.userAgent,
+      address: location.href,
+    };
+    const json = JSON.stringify(report, null, 2);
+    const copied = await copyText(json);
+    byHand.hidden = copied;
+    if (copied) return say(texts().panel.copied);
+    byHand.value = json;
+    byHand.focus();
+    byHand.select();
+    say(texts().panel.notCopied);
   }
-  element("fit").addEventListener("click", () => controls.showAll());
+
+  let names: readonly string[] = [];
+  const lines: HTMLElement[] = [];
+  function name(): void {
+    const chosen = subject.value;
+    subject.replaceChildren(make("option", { value: "" }, texts().panel.all), ...names.map((name, i) => make("option", { value: i }, name)));
+    subject.value = chosen;
+  }
+  worded(name);
+  subject.addEventListener("change", () => again());
+  const again = () => latest && show(latest, latestOfEach);
+  worded(again);
+  settings.on("unit", again);
+
+  function show(figures: Figures, each: readonly (Figures | undefined)[]): void {
+    [latest, latestOfEach] = [figures, each];
+    const { panel: words, quality, models } = texts();
+    const { unit } = settings.now;
+    const one = subject.value === "" ? figures : (each[Number(subject.value)] ?? figures);
+    const set = (row: Row, text: string) => {
+      const cell = cells.get(row)!;
+      if (cell.textContent !== text) cell.textContent = text;
+    };
+    set("triangles", words.partOf(count(one.triangles), count(one.sourceTriangles)));
+    set("vertices", words.partOf(count(one.vertices), count(one.sourceVertices)));
+    set("error", pixels(one.errorPx));
+    set("errorAt", length(one.error, unit, 2));
+    set("updates", `+${count(one.refined)} −${count(one.coarsened)}`);
+    set("evaluations", count(one.evaluations));
+    set("engine", `${fixed(one.engineMs, 2)} ms`);
+    set("upload", bytes(one.uploadBytes));
+    set("engineMemory", one.engineBytes === undefined ? "–" : bytes(one.engineBytes));
+    set("gpuMemory", bytes(one.bufferBytes));
+    set("rate", one.framesPerSecond === undefined ? words.still : words.perSecond(count(one.framesPerSecond)));
+    for (const chart of Object.values(charts)) chart.draw();
+    element("digest").textContent = words.digest(count(figures.triangles), pixels(figures.errorPx));
+    each.forEach((figures, i) => {
+      if (figures && lines[i]) lines[i].textContent = models.line(count(figures.triangles), pixels(figures.errorPx));
+    });
+    const [left, asked] = [pixels(figures.errorPx), pixels(settings.now.tolerancePx)];
+    // Only what is final: while a front is on its way, its error says nothing about the budget.
+    const biting = !figures.settled || !figures.budgetBound ? "" : figures.byteBound ? "bytes" : "triangles";
+    const text = biting === "bytes" ? quality.bytesBite(left, asked) : biting ? quality.trianglesBite(left, asked) : "";
+    if (!figures.settled && saidBites) return;
+    bites.hidden = text === "";
+    bites.textContent = text;
+    if (biting !== saidBites && text) say(text);
+    saidBites = biting;
+  }
 
   return {
-    show(stats) {
-      const part = full > 0 ? ` of ${count(full)}` : "";
-      element("stat-triangles").textContent = `${count(stats.triangles)}${part}`;
-      element("stat-error").textContent = `${round(stats.errorPx)} px`;
-      element("stat-updates").textContent = `+${count(stats.refined)} −${count(stats.coarsened)}`;
-      element("stat-engine").textContent = `${stats.engineMs.toFixed(2)} ms`;
-      element("stat-upload").textContent = `${(stats.uploadBytes / 1000).toFixed(1)} kB`;
-      element("stat-evaluations").textContent = count(stats.evaluations);
-      element("digest").textContent = `${count(stats.triangles)} triangles · ${round(stats.errorPx)} px`;
+    setModels(shown) {
+      names = shown.map(({ card }) => card.name);
+      subject.value = "";
+      name();
+      subjectField.hidden = models.hidden = shown.length < 2;
+      lines.length = 0;
+      list.replaceChildren(...shown.map(({ card, visible }, i) => {
+        const box = make("input", { type: "checkbox", checked: visible });
+        box.setAttribute("aria-label", texts().models.visible(card.name));
+        box.addEventListener("change", () => setVisible(i, box.checked));
+        const line = make("span", { class: "quiet" });
+        lines.push(line);
+        return make("li", {}, make("label", {}, box, make("span", { class: "model-name" }, card.name)), line);
+      }));
     },
-    setModels(infos) {
-      base = Math.max(infos.reduce((sum, { baseTriangles }) => sum + baseTriangles, 0), 1);
-      full = Math.max(infos.reduce((sum, { sourceTriangles }) => sum + sourceTriangles, 0), base);
+    record(figures) {
+      charts.updates!.push(figures.refined + figures.coarsened);
+      charts.evaluations!.push(figures.evaluations);
+      charts.engine!.push(figures.engineMs);
     },
-    setTolerance(px) {
-      tolerance.value = String(Math.round(STEPS_PER_DECADE * Math.log10(Math.max(px, FINEST_PX) / FINEST_PX)));
-      sayTolerance(px);
-    },
-    setBudget(triangles) {
-      const step = (100 * Math.log(triangles / base)) / Math.log(full / base);
-      budget.value = String(triangles === Infinity ? 100 : Math.min(99, Math.max(0, Math.round(step))));
-      sayBudget(triangles);
-    },
-    setSwitch(name, on) {
-      element<HTMLInputElement>(name).checked = on;
-    },
+    show,
   };
 }
 
-/** 871,414 */
-export function count(n: number): string {
-  return Math.round(n).toLocaleString("en");
-}
-
-/** Two figures that count: 0.098, 0.98, 9.8, 98. */
-function round(n: number): string {
-  if (n === 0) return "0";
-  if (!Number.isFinite(n)) return "∞";
-  return n >= 10 ? n.toFixed(0) : n.toPrecision(2);
+function limit(limits: Record<string, number>): Record<string, number> {
+  return Object.fromEntries(Object.entries(limits).filter(([, value]) => Number.isFinite(value)));
 }

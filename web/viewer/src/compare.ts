@@ -1,0 +1,175 @@
+/** The divider: on its left the front, on its right the original, seen from the same place. */
+
+import { MeshfrontBudget, MeshfrontObject } from "@meshfront/three";
+import type { PerspectiveCamera, WebGLRenderer } from "three";
+import { element, make } from "./dom.js";
+import { type Shown, trianglesOf } from "./models.js";
+import type { Settings } from "./settings.js";
+import type { Stage } from "./stage.js";
+import { attribute, count, percent, texts, worded } from "./texts/index.js";
+
+/** More triangles than these are not drawn in one picture: browsers give buffers of so many bytes and no more. */
+const MOST_TRIANGLES = 8e6;
+/** The original need not come smoothly. */
+const DEADLINE_MS = 30;
+
+export interface Compare {
+  /** Whether both are to be drawn. */
+  readonly on: boolean;
+  /** Opens the originals of these models when they are asked for. */
+  setModels(shown: readonly Shown[]): void;
+  /** Lets the originals follow the fronts' places and looks. */
+  update(camera: PerspectiveCamera, renderer: WebGLRenderer): void;
+  /** Draws one on each side. */
+  draw(): void;
+  /** Whether every triangle of the originals is there. */
+  readonly complete: boolean;
+}
+
+export function makeCompare(settings: Settings, stage: Stage, changed: () => void): Compare {
+  const { canvas, renderer, scene } = stage;
+  const handle = attribute(
+    make("div", { id: "divider", class: "divider", role: "slider", tabindex: 0, "aria-valuemin": 0, "aria-valuemax": 100, hidden: true }),
+    "aria-label", (t) => t.compare.handle,
+  );
+  const [left, right] = [make("span", { class: "left" }), make("span", { class: "right" })];
+  handle.append(left, right);
+  element("dock").before(handle);
+
+  let shown: readonly Shown[] = [];
+  let originals: MeshfrontObject[] = [];
+  let budget: MeshfrontBudget | undefined;
+  let complete = false;
+
+  settings.follow("divider", (at) => {
+    handle.hidden = at === undefined;
+    if (at === undefined) close();
+    else {
+      if (!budget && shown.length > 0) open();
+      place(at);
+    }
+    changed();
+  });
+  worded(() => { place(settings.now.divider ?? 0.5); tell(); });
+
+  function place(at: number): void {
+    handle.style.left = `${100 * at}%`;
+    handle.setAttribute("aria-valuenow", String(Math.round(100 * at)));
+    handle.setAttribute("aria-valuetext", texts().compare.at(percent(at)));
+  }
+  const move = (to: number) => settings.set("divider", Math.min(1, Math.max(0, to)));
+  handle.addEventListener("pointerdown", (event) => {
+    handle.setPointerCapture(event.pointerId);
+    handle.focus();
+    event.preventDefault();
+  });
+  handle.addEventListener("pointermove", (event) => {
+    if (handle.hasPointerCapture(event.pointerId)) move(event.clientX / canvas.clientWidth);
+  });
+  handle.addEventListener("keydown", (event) => {
+    const at = settings.now.divider ?? 0.5;
+    const to = { ArrowLeft: at - 0.01, ArrowDown: at - 0.01, ArrowRight: at + 0.01, ArrowUp: at + 0.01, PageUp: at + 0.1, PageDown: at - 0.1, Home: 0, End: 1 }[event.key];
+    if (to === undefined) return;
+    event.preventDefault();
+    move(to);
+  });
+
+  function open(): void {
+    const shared = new MeshfrontBudget({ maxTriangles: MOST_TRIANGLES, deadlineMs: DEADLINE_MS });
+    budget = shared;
+    complete = false;
+    void Promise.all(shown.map(async (model) => {
+      const source = await sourceOf(model.card);
+      if (budget !== shared) return;
+      const original = new MeshfrontObject(source, { budget: shared, tolerancePx: 0, material: model.object.material, name: model.card.name });
+      original.cullFrustum = original.cullOrientation = false;
+      original.visible = false;
+      original.addEventListener("needs-update", changed);
+      scene.add(original);
+      originals[shown.indexOf(model)] = original;
+    }));
+    tell();
+  }
+
+  function close(): void {
+    for (const original of originals) {
+      original?.removeFromParent();
+      original?.dispose();
+    }
+    originals = [];
+    budget?.dispose();
+    budget = undefined;
+    complete = false;
+  }
+
+  function tell(): void {
+    const { compare } = texts();
+    left.textContent = compare.front;
+    const triangles = originals.reduce((sum, original) => sum + (original?.stats?.triangles ?? 0), 0);
+    const whole = shown.reduce((sum, model) => sum + trianglesOf(model), 0);
+    const limited = originals.some((original) => original?.stats?.budgetBound);
+    right.textContent = !complete ? compare.loading : limited ? compare.limited(count(triangles), count(whole)) : compare.original(count(triangles));
+  }
+
+  return {
+    get on() { return settings.now.divider !== undefined && budget !== undefined; },
+    get complete() { return complete; },
+    setModels(models) {
+      close();
+      shown = models;
+      if (settings.now.divider !== undefined && shown.length > 0) open();
+    },
+    update(camera, renderer) {
+      if (!budget || complete) {
+        originals.forEach((original, i) => follow(original, shown[i]!));
+        return;
+      }
+      originals.forEach((original, i) => {
+        if (!original) return;
+        follow(original, shown[i]!);
+        if (original.info) original.setResolutionFromRenderer(camera, renderer);
+      });
+      budget.update();
+      const all = originals.filter(Boolean);
+      if (all.length < shown.length || !all.every(({ stats }) => stats?.settled)) return;
+      // All there is, from wherever one looks: the engine need not be asked again.
+      for (const original of all) original.frozen = true;
+      complete = true;
+      tell();
+      changed();
+    },
+    draw() {
+      const at = settings.now.divider ?? 1;
+      const { clientWidth: width, clientHeight: height } = canvas;
+      const middle = Math.round(at * width);
+      const visible = shown.map(({ object }) => object.visible);
+      renderer.setScissorTest(true);
+      renderer.setScissor(0, 0, middle, height);
+      if (middle > 0) stage.draw();
+      shown.forEach(({ object }, i) => {
+        object.visible = false;
+        if (originals[i]) originals[i].visible = visible[i]!;
+      });
+      renderer.setScissor(middle, 0, width - middle, height);
+      if (middle < width) stage.draw();
+      renderer.setScissorTest(false);
+      shown.forEach(({ object }, i) => {
+        object.visible = visible[i]!;
+        if (originals[i]) originals[i].visible = false;
+      });
+    },
+  };
+}
+
+function follow(original: MeshfrontObject | undefined, { object }: Shown): void {
+  if (!original) return;
+  original.position.copy(object.position);
+  original.quaternion.copy(object.quaternion);
+  original.scale.copy(object.scale);
+  original.material = object.material;
+}
+
+/** The bytes of a file that was dropped are not kept: they are read again. */
+export async function sourceOf({ url, file }: Shown["card"]): Promise<string | ArrayBuffer> {
+  return file ? file.arrayBuffer() : url;
+}
