@@ -52,9 +52,20 @@ pub fn demo(end: End) -> Result<()> {
 
 /// `target/release/meshfront`, with the page of now inside.
 pub fn release_binary() -> Result<PathBuf> {
-    say("release binary");
-    run(cargo().args(["build", "--quiet", "--release", "--package", "meshfront-cli"]), "the compiler says why above")?;
-    Ok(target_dir().join("release/meshfront").with_extension(std::env::consts::EXE_EXTENSION))
+    binary(&["--release"], "release")
+}
+
+/// `target/debug/meshfront`, which the tests have built, with the page of now inside.
+pub fn debug_binary() -> Result<PathBuf> {
+    binary(&[], "debug")
+}
+
+fn binary(profile: &[&str], folder: &str) -> Result<PathBuf> {
+    say(&format!("{folder} binary"));
+    let mut build = cargo();
+    build.args(["build", "--quiet", "--locked", "--package", "meshfront-cli"]).args(profile);
+    run(&mut build, "the compiler says why above")?;
+    Ok(target_dir().join(folder).join("meshfront").with_extension(std::env::consts::EXE_EXTENSION))
 }
 
 /// The dragon's hierarchy; made again when the binary is newer.

@@ -1,5 +1,6 @@
 //! `cargo xtask test`: everything that must hold before a change lands, on a machine that has nothing set up.
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
@@ -66,6 +67,8 @@ impl Steps {
 const SAYS_WHY: &str = "it says why above";
 /// The glue generator is not ours to test, and by far the slowest to compile.
 const OURS: [&str; 3] = ["--workspace", "--exclude", "xtask-bindgen"];
+/// In the names of browser tests that take long.
+const LONG: &str = "@long";
 /// Per fuzz target in the long run.
 const FUZZ_SECONDS: u32 = 20;
 
@@ -85,15 +88,17 @@ pub fn test(all: bool) -> Result<()> {
     steps.run_after(page, "cargo test", || {
         run(cargo().args(["test", "--locked", "--no-fail-fast"]).args(OURS), SAYS_WHY).map(passed)
     });
-    let binary = steps.run_after(page, "release binary", || demo::release_binary().map(|_| Outcome::Passed));
     steps.run_after(page, "vitest", || {
         run(npm().args(["run", "check"]), SAYS_WHY)?;
         run(npm().args(["test"]), SAYS_WHY).map(passed)
     });
-    steps.run_after(binary, "page in a browser", page_in_a_browser);
+    // The binary of the tests: a release of it takes minutes to build, and shows the same page.
+    steps.run_after(page, "page in a browser", || {
+        page_in_a_browser(&if all { demo::release_binary()? } else { demo::debug_binary()? }, all)
+    });
     steps.run("cargo deny", || deny(all));
     if all {
-        steps.run_after(binary, "long tests", || {
+        steps.run_after(page, "long tests", || {
             let mut long = cargo();
             long.args(["test", "--locked", "--release"]).args(OURS).args(["--", "--ignored"]);
             // Ignored because it writes, not because it takes long.
@@ -127,10 +132,13 @@ fn format() -> Result<Outcome> {
     Ok(Outcome::Passed)
 }
 
-fn page_in_a_browser() -> Result<Outcome> {
+fn page_in_a_browser(meshfront: &Path, all: bool) -> Result<Outcome> {
     let chromium = browser::chromium()?;
     let mut playwright = npm();
-    playwright.args(["run", "test:e2e"]).env(browser::CHROMIUM, chromium);
+    playwright.args(["run", "test:e2e"]).env(browser::CHROMIUM, chromium).env("MESHFRONT_BIN", meshfront);
+    if !all {
+        playwright.args(["--", "--grep-invert", LONG]);
+    }
     run(&mut playwright, "screenshots are in target/screenshots").map(passed)
 }
 

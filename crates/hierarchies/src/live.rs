@@ -118,17 +118,18 @@ impl TriangleBuffers {
     /// Gives a vertex a slot.
     #[inline]
     pub(crate) fn add_vertex(&mut self, look: &VertexLook) -> u32 {
-        let slot = self.free_vertices.pop().unwrap_or_else(|| {
-            let most = self.most.vertices;
-            grow(&mut self.positions, Vec3::ZERO, most);
-            grow(&mut self.normals, [0; 4], most);
-            if look.color.is_some() {
-                grow(&mut self.colors, [0; 4], most);
-            }
-            grow(&mut self.levels, 0, most);
-            self.positions.len() as u32 - 1
-        });
-        self.set_vertex(slot, look);
+        if let Some(slot) = self.free_vertices.pop() {
+            self.set_vertex(slot, look);
+            return slot;
+        }
+        let (slot, most) = (self.positions.len() as u32, self.most.vertices);
+        grow(&mut self.positions, look.position, most);
+        grow(&mut self.normals, look.normal, most);
+        if let Some(color) = look.color {
+            grow(&mut self.colors, color, most);
+        }
+        grow(&mut self.levels, look.level, most);
+        self.changes.vertices.push(slot);
         slot
     }
     /// Changes what is in a vertex slot.
@@ -154,11 +155,13 @@ impl TriangleBuffers {
     /// Gives a triangle a slot.
     #[inline]
     pub(crate) fn add_triangle(&mut self, corners: [u32; 3]) -> u32 {
-        let slot = self.free_triangles.pop().unwrap_or_else(|| {
-            grow(&mut self.triangles, [0; 3], self.most.triangles);
-            self.triangles.len() as u32 - 1
-        });
-        self.set_triangle(slot, corners);
+        if let Some(slot) = self.free_triangles.pop() {
+            self.set_triangle(slot, corners);
+            return slot;
+        }
+        let slot = self.triangles.len() as u32;
+        grow(&mut self.triangles, corners, self.most.triangles);
+        self.changes.triangles.push(slot);
         slot
     }
     /// Changes the corners of a triangle.

@@ -21,7 +21,7 @@ use crate::live::Most;
 use crate::model::{Model, Progress, SourceCounts, Stored, TriangleModel};
 use glam::{DVec2, Vec2, Vec3};
 use meshfront_mesh::{Bounds, Unit};
-use meshfront_refine::{Footprint, MultiTessellation, NormalCone, UpdateId};
+use meshfront_refine::{Around, Footprint, MultiTessellation, NormalCone, UpdateId};
 use std::collections::HashMap;
 
 mod base;
@@ -336,19 +336,26 @@ impl MultiTessellation for RightTriangles {
         middles.into_iter().flatten().filter(|&id| self.is_update(id)).for_each(|id| visit(UpdateId(id)));
     }
     #[inline]
-    fn ready_children(
+    fn refine_around(
         &self,
-        _: &FrontMesh,
+        mesh: &mut FrontMesh,
         m: UpdateId,
         applied: impl Fn(UpdateId) -> bool,
-        mut visit: impl FnMut(UpdateId),
+        mut changed: impl FnMut(Around),
     ) {
         let spot = self.lattice.spot(m.0);
+        let apexes = self.lattice.apexes(&spot);
+        mesh.refine(self, m, &spot, apexes);
+        apexes
+            .into_iter()
+            .flatten()
+            .filter(|&id| self.is_update(id))
+            .for_each(|id| changed(Around::Needed(UpdateId(id))));
         // The middle of a new hypotenuse; what it needs besides m is as far beyond it as m is before it.
         for (middle, beyond) in self.lattice.middles(&spot).into_iter().zip(self.lattice.beyond_middles(&spot)) {
             let Some(middle) = middle.filter(|&id| self.is_update(id)) else { continue };
             if beyond.is_none_or(|id| !self.is_update(id) || applied(UpdateId(id))) {
-                visit(UpdateId(middle));
+                changed(Around::Ready(UpdateId(middle)));
             }
         }
     }
@@ -358,7 +365,8 @@ impl MultiTessellation for RightTriangles {
     }
     #[inline]
     fn refine(&self, mesh: &mut FrontMesh, m: UpdateId) {
-        mesh.refine(self, m);
+        let spot = self.lattice.spot(m.0);
+        mesh.refine(self, m, &spot, self.lattice.apexes(&spot));
     }
     #[inline]
     fn coarsen(&self, mesh: &mut FrontMesh, m: UpdateId) {

@@ -24,7 +24,7 @@ pub use together::{Member, Viewed, adapt_together};
 use crate::bits::Bits;
 use crate::calendar::Calendar;
 use crate::request::Timer;
-use crate::{Criterion, MultiTessellation, Outcome, Pose, Request, Step, UpdateId};
+use crate::{Around, Criterion, MultiTessellation, Outcome, Pose, Request, Step, UpdateId};
 use glam::Vec3;
 use std::cmp::{Ordering, Reverse};
 use std::collections::{BinaryHeap, HashMap};
@@ -268,31 +268,26 @@ impl<H: MultiTessellation> Front<H> {
         self.sweep.words_left = 0;
         self.work.extend(self.open.iter());
         while let Some(m) = self.work.pop() {
-            if (self.filed.has(m) && !H::READS_MESH) || !self.open.has(m) {
+            if !self.open.has(m) {
                 continue;
             }
-            let rank = self.rank(h, c, m, &mut run);
-            if rank.pixels <= run.tolerance || self.applied.has(m) {
-                // What is applied only because another update needs it goes when that one goes.
-                if H::READS_MESH && self.applied.has(m) && rank.pixels <= run.tolerance && self.waits(h, m) {
-                    continue;
-                }
-                self.file(rank);
+            run.evaluations += 1;
+            let pixels = c.pixels(&h.footprint(UpdateId(m)));
+            if pixels <= run.tolerance || self.applied.has(m) {
                 run.timer.spend(1);
             } else if self.apply(h, m, run.max_cells) {
-                self.file_later(rank);
                 run.timer.spend(UPDATE);
             } else {
-                self.filed.insert(m);
-                self.wanted.push(rank);
+                self.wanted.push(Ranked { pixels, slack: 0.0, m, view: self.view, cell: 0 });
                 break;
             }
             if run.timer.out() {
                 break;
             }
         }
-        self.file_fresh();
-        self.settled = self.is_idle();
+        self.settled = self.work.is_empty() && self.wanted.is_empty();
+        // Nobody knows for how long these answers hold.
+        self.stale = true;
         self.report(h, run.tolerance, run.evaluations)
     }
 
@@ -663,32 +658,40 @@ impl<H: MultiTessellation> Front<H> {
 
     /// Applies a legal update, and opens and closes decisions around it.
     fn refine(&mut self, h: &H, m: UpdateId) {
-        h.refine(&mut self.mesh, m);
-        self.applied.insert(m.0);
         self.applied_count += 1;
         self.steps.push(Step::Refine(m));
         self.open(m.0);
-        if !H::READS_MESH {
-            let Front { open, open_count, mesh, .. } = self;
-            h.needs(mesh, m, |n| *open_count -= open.remove(n.0) as usize);
-        }
         let Front { open, open_count, applied, filed, work, mesh, .. } = self;
-        let mut now_open = |child: UpdateId| {
-            *open_count += open.insert(child.0) as usize;
-            if !filed.has(child.0) {
-                work.push(child.0);
-            }
-        };
+        let (mut opened, mut closed) = (0, 0);
         if H::READS_MESH {
+            h.refine(mesh, m);
             h.children(m, |child| {
                 if !applied.has(child.0) {
-                    now_open(child);
+                    opened += open.insert(child.0) as usize;
+                    if !filed.has(child.0) {
+                        work.push(child.0);
+                    }
                 }
             });
         } else {
-            // None of them is applied: `m` was not.
-            h.ready_children(mesh, m, |n| applied.has(n.0), now_open);
+            // None of the children is applied: `m` was not.
+            h.refine_around(
+                mesh,
+                m,
+                |n| applied.has(n.0),
+                |around| match around {
+                    Around::Needed(n) => closed += open.remove(n.0) as usize,
+                    Around::Ready(child) => {
+                        opened += open.insert(child.0) as usize;
+                        if !filed.has(child.0) {
+                            work.push(child.0);
+                        }
+                    }
+                },
+            );
         }
+        *open_count = *open_count + opened - closed;
+        applied.insert(m.0);
     }
 
     /// Undoes a leaf, and opens and closes decisions around it.

@@ -59,6 +59,15 @@ impl NormalCone {
     pub const ALL: NormalCone = NormalCone { axis: Vec3::Z, sin: 0.0, cos: -1.0 };
 }
 
+/// An update next to one that was just applied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Around {
+    /// It is needed by that one.
+    Needed(UpdateId),
+    /// It needs that one, and nothing any more that is not applied.
+    Ready(UpdateId),
+}
+
 /// A base mesh, updates, and a dependency order: the one trait that every model implements.
 ///
 /// Immutable and shared; all state of one viewer is in `Mesh` and in the engine's `Front`.
@@ -102,20 +111,23 @@ pub trait MultiTessellation {
     fn roots(&self, visit: impl FnMut(UpdateId));
     /// Visits the updates that may become legal once `m` is applied. It depends on nothing live.
     fn children(&self, m: UpdateId, visit: impl FnMut(UpdateId));
-    /// Visits the children of `m` of which all needs are applied. Asked only where dependencies do not read the mesh.
+    /// Applies a legal update, and says what that changes around it. `applied` does not say so of `m` itself. Asked only where
+    /// dependencies do not read the mesh; a model that finds all of it at once does better than this does step by step.
     #[inline]
-    fn ready_children(
+    fn refine_around(
         &self,
-        mesh: &Self::Mesh,
+        mesh: &mut Self::Mesh,
         m: UpdateId,
         applied: impl Fn(UpdateId) -> bool,
-        mut visit: impl FnMut(UpdateId),
+        mut changed: impl FnMut(Around),
     ) {
+        self.refine(mesh, m);
+        self.needs(mesh, m, |n| changed(Around::Needed(n)));
         self.children(m, |child| {
-            let mut ready = true;
-            self.needs(mesh, child, |n| ready &= applied(n));
-            if ready {
-                visit(child);
+            let mut all = true;
+            self.needs(mesh, child, |n| all &= n == m || applied(n));
+            if all {
+                changed(Around::Ready(child));
             }
         });
     }

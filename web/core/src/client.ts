@@ -208,5 +208,18 @@ function expected<T extends Answer["type"]>(answer: Answer, type: T): Extract<An
 }
 
 function startWorker(): WorkerPort {
+  const { protocol, origin } = new URL(import.meta.url);
+  // Some bundlers write the place on the disk here, and the right one where the worker is started.
+  if (protocol.startsWith("http") && origin !== location.origin) return startFromElsewhere();
+  return new Worker(new URL("./worker.js", import.meta.url), { type: "module", name: "meshfront" });
+}
+
+/** A worker may not come from another origin, a server for packages say; but one of this origin may import from there. */
+function startFromElsewhere(): WorkerPort {
+  const Worker = function (address: URL, options: WorkerOptions) {
+    const script = new Blob([`import ${JSON.stringify(address.href)};`], { type: "text/javascript" });
+    return new globalThis.Worker(URL.createObjectURL(script), options);
+  } as unknown as new (address: URL, options: WorkerOptions) => Worker;
+  // The same words as above: bundlers look for them, and put the worker where they say.
   return new Worker(new URL("./worker.js", import.meta.url), { type: "module", name: "meshfront" });
 }

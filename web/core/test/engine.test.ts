@@ -251,7 +251,7 @@ test("a cap of bytes is never exceeded, and fronts come to rest under it", async
   const scan = await load(front);
   const view = lookAt(scan, [0, 0, 1], 1.5, 0.01);
   const bytesOf = ({ stats, vertexCapacity, triangleCapacity }: FrameUpdate) =>
-    stats.frontBytes + 2 * (vertexCapacity * 29 + triangleCapacity * 12);
+    stats.frontBytes + 2 * (vertexCapacity * 28 + triangleCapacity * 12);
   const free = scan.adapt(view);
   const base = bytesOf((await load(front)).adapt({ ...view, tolerancePx: 1e9 }));
   const whole = bytesOf(free);

@@ -22,6 +22,8 @@ export interface Member {
   /** Bytes of its buffers. */
   readonly bufferBytes: number;
   apply(frame: FrameUpdate, wanted: Wanted): void;
+  /** Tells who listens what the last `apply` brought. */
+  announce(): void;
   fail(error: MeshfrontError): void;
 }
 
@@ -128,23 +130,23 @@ export class MeshfrontBudget {
   private async adapt(jobs: Job[]): Promise<void> {
     this.inFlight = true;
     const { maxTriangles, maxBytes, deadlineMs } = this;
-    const limits = { maxTriangles, maxBytes, deadlineMs };
+    let frames: FrameUpdate[] | undefined;
     try {
       const views = jobs.map(({ model, wanted: { views, shade } }) => ({ model, views, ...(shade ? { shade } : {}) }));
-      const frames = await this.client.adapt(views, limits);
-      this.asked = { members: jobs.map(({ member }) => member), maxTriangles, maxBytes };
-      frames?.forEach((frame, i) => {
-        const { member, wanted } = jobs[i]!;
-        if (this.members.has(member)) member.apply(frame, wanted);
-      });
+      frames = await this.client.adapt(views, { maxTriangles, maxBytes, deadlineMs });
     } catch (thrown) {
       this.broken = true;
       for (const member of this.members) member.fail(MeshfrontError.from(thrown));
+      return;
     } finally {
       this.inFlight = false;
     }
+    this.asked = { members: jobs.map(({ member }) => member), maxTriangles, maxBytes };
+    const present = jobs.map((job, i) => ({ ...job, frame: frames?.[i] })).filter(({ member }) => this.members.has(member));
+    for (const { member, frame, wanted } of present) if (frame) member.apply(frame, wanted);
     // Drawing may be slower than the engine: the worker need not wait for the next frame to go on.
-    if (this.again || jobs.some(({ member }) => member.last?.stats.settled === false)) this.update();
+    if (this.again || present.some(({ member }) => member.last?.stats.settled === false)) this.update();
+    for (const { member } of present) member.announce();
   }
 }
 

@@ -1,5 +1,7 @@
 import { applyRanges, type BaseMesh, type FrameUpdate, type Vec3 } from "@meshfront/core";
-import { Box3, BufferAttribute, BufferGeometry, DynamicDrawUsage, Sphere, Vector3 } from "three";
+import {
+  Box3, BufferAttribute, BufferGeometry, DynamicDrawUsage, InterleavedBuffer, InterleavedBufferAttribute, Sphere, Vector3,
+} from "three";
 
 type Column = Float32Array | Int16Array | Uint8Array | Uint16Array | Uint32Array;
 
@@ -13,9 +15,9 @@ const LINEAR = Uint16Array.from({ length: 256 }, (_, byte) => {
 const MOST_RANGES = 4096;
 
 /**
- * A geometry whose attributes follow a front: `position`, `normal` (16-bit, normalized, padded to four numbers),
- * `level` (splits above the base mesh), where the model has colours `color` (linear), where a column is asked for `shade`;
- * and the index.
+ * A geometry whose attributes follow a front: `position`; `normal` (16-bit, normalized) and `level` (splits above the base
+ * mesh), which share a buffer; where the model has colours `color` (linear); where a column is asked for `shade`; and the
+ * index. An upload call costs as much as kilobytes: two per range of vertices are what is left.
  *
  * It has nothing in it, but its attributes all the same: three.js compiles a material's program for the attributes that it
  * meets first, and shades a mesh flat that had no normals then. Free triangle slots are degenerate, so the whole
@@ -23,13 +25,24 @@ const MOST_RANGES = 4096;
  */
 export function frontGeometry(): BufferGeometry {
   const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(), 3));
-  geometry.setAttribute("normal", new BufferAttribute(new Int16Array(), 4, true));
-  geometry.setAttribute("level", new BufferAttribute(new Uint8Array(), 1));
-  geometry.setIndex(new BufferAttribute(new Uint32Array(), 1));
+  geometry.setAttribute("position", column(new Float32Array(), 3, false));
+  setNormals(geometry, new Int16Array());
+  geometry.setIndex(column(new Uint32Array(), 1, false));
   geometry.setDrawRange(0, 0);
   setBounds(geometry, new Box3(), 0);
   return geometry;
+}
+
+/** Four numbers per vertex: the normal and the level. */
+function setNormals(geometry: BufferGeometry, array: Int16Array): void {
+  const shared = new InterleavedBuffer(array, 4).setUsage(DynamicDrawUsage);
+  shared.onUpload(() => shared.clearUpdateRanges());
+  geometry.setAttribute("normal", new InterleavedBufferAttribute(shared, 3, 0, true));
+  geometry.setAttribute("level", new InterleavedBufferAttribute(shared, 1, 3, false));
+}
+
+function normalsOf(geometry: BufferGeometry): InterleavedBuffer {
+  return (geometry.getAttribute("normal") as InterleavedBufferAttribute).data;
 }
 
 /** What is known of a model before the first frame. */
@@ -79,12 +92,11 @@ export function applyBase(geometry: BufferGeometry, base: BaseMesh): void {
 export function applyFrame(geometry: BufferGeometry, frame: Slots): void {
   const { vertices, triangles } = frame;
   reserve(geometry, frame);
-  write(attribute(geometry, "position"), vertices.ranges, vertices.positions);
-  write(attribute(geometry, "normal"), vertices.ranges, vertices.normals);
-  write(attribute(geometry, "level"), vertices.ranges, vertices.levels);
-  if (geometry.hasAttribute("color")) {
-    write(attribute(geometry, "color"), vertices.ranges, linear(vertices.colors));
-  }
+  write(attribute(geometry, "position"), vertices.ranges, vertices.positions, 3);
+  const normals = normalsOf(geometry);
+  write(normals, vertices.ranges, vertices.normals, 4);
+  writeLevels(normals.array as Int16Array, vertices.ranges, vertices.levels);
+  if (geometry.hasAttribute("color")) write(attribute(geometry, "color"), vertices.ranges, linear(vertices.colors), 4);
   write(geometry.index!, triangles.ranges, triangles.corners, 3);
   geometry.setDrawRange(0, frame.triangleSlots * 3);
   if (frame.shade) {
@@ -93,7 +105,7 @@ export function applyFrame(geometry: BufferGeometry, frame: Slots): void {
       geometry.setAttribute("shade", column(new Float32Array(attribute(geometry, "position").count), 1, false));
     }
     const whole = values.length > 0 ? Uint32Array.of(0, values.length) : new Uint32Array();
-    write(attribute(geometry, "shade"), whole, values);
+    write(attribute(geometry, "shade"), whole, values, 1);
   }
 }
 
@@ -105,10 +117,11 @@ export function dropShade(geometry: BufferGeometry): void {
   geometry.deleteAttribute("shade");
 }
 
-/** Bytes of all attributes and the index: as much on the graphics card as in memory. */
+/** Bytes of all buffers: as much on the graphics card as in memory. */
 export function bufferBytes(geometry: BufferGeometry): number {
-  const columns = [...Object.values(geometry.attributes), ...(geometry.index ? [geometry.index] : [])] as BufferAttribute[];
-  return columns.reduce((sum, { array }) => sum + array.byteLength, 0);
+  const attributes = Object.values(geometry.attributes) as (BufferAttribute | InterleavedBufferAttribute)[];
+  const arrays = new Set([...attributes, ...(geometry.index ? [geometry.index] : [])].map(({ array }) => array));
+  return [...arrays].reduce((sum, { byteLength }) => sum + byteLength, 0);
 }
 
 function linear(colors: Uint8Array): Uint16Array {
@@ -121,7 +134,7 @@ function attribute(geometry: BufferGeometry, name: string): BufferAttribute {
   return geometry.getAttribute(name) as BufferAttribute;
 }
 
-function write(target: BufferAttribute, ranges: Uint32Array, packed: Column, slotSize = target.itemSize): void {
+function write(target: BufferAttribute | InterleavedBuffer, ranges: Uint32Array, packed: Column, slotSize: number): void {
   if (ranges.length === 0) return;
   applyRanges(target.array as Float32Array, ranges, packed as Float32Array, slotSize);
   if (target.updateRanges.length + ranges.length / 2 > MOST_RANGES) {
@@ -135,6 +148,15 @@ function write(target: BufferAttribute, ranges: Uint32Array, packed: Column, slo
   target.needsUpdate = true;
 }
 
+/** Levels lie where normals have a number too many. */
+function writeLevels(normals: Int16Array, ranges: Uint32Array, levels: Uint8Array): void {
+  let from = 0;
+  for (let i = 0; i < ranges.length; i += 2) {
+    const end = ranges[i]! + ranges[i + 1]!;
+    for (let slot = ranges[i]!; slot < end; slot++) normals[4 * slot + 3] = levels[from++]!;
+  }
+}
+
 /** A frame that makes buffers shorter holds every slot. */
 function reserve(geometry: BufferGeometry, { vertexCapacity, triangleCapacity }: Slots): void {
   const isLong = attribute(geometry, "position").count === vertexCapacity;
@@ -143,18 +165,23 @@ function reserve(geometry: BufferGeometry, { vertexCapacity, triangleCapacity }:
   // Frees the buffers on the graphics card; those of the new attributes are made when they are first drawn.
   geometry.dispose();
   if (!isLong) {
-    for (const name of Object.keys(geometry.attributes)) {
-      geometry.setAttribute(name, resized(attribute(geometry, name), vertexCapacity));
+    for (const name of ["position", "color", "shade"]) {
+      if (geometry.hasAttribute(name)) geometry.setAttribute(name, resized(attribute(geometry, name), vertexCapacity));
     }
+    setNormals(geometry, sized(normalsOf(geometry).array as Int16Array, 4 * vertexCapacity));
   }
   if (!isIndexLong) geometry.setIndex(resized(geometry.index!, 3 * triangleCapacity));
 }
 
-function resized(old: BufferAttribute, count: number): BufferAttribute {
-  const Array = old.array.constructor as new (length: number) => Column;
-  const array = new Array(count * old.itemSize);
-  array.set(old.array.subarray(0, array.length));
-  return column(array, old.itemSize, old.normalized);
+function resized({ array, itemSize, normalized }: BufferAttribute, count: number): BufferAttribute {
+  return column(sized(array as Column, count * itemSize), itemSize, normalized);
+}
+
+/** The same numbers, as many as fit. */
+function sized<T extends Column>(old: T, length: number): T {
+  const array = new (old.constructor as new (length: number) => T)(length);
+  array.set(old.subarray(0, length));
+  return array;
 }
 
 function column(array: Column, itemSize: number, normalized: boolean): BufferAttribute {

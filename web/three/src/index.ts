@@ -3,7 +3,8 @@ export {
 } from "@meshfront/core";
 export { MeshfrontBudget, totalStats, type BudgetOptions } from "./budget.js";
 export {
-  defaultScale, levelMaterial, RAMP, RAMP_CSS, shadeMaterial, TOP_LEVEL, type Scale, type ShadeBy, type ShadeMaterial,
+  defaultScale, levelMaterial, shadeMaterial, TOP_LEVEL, type Scale, type ShadeBy, type ShadeMaterial,
 } from "./materials.js";
+export { RAMP, RAMP_CSS } from "./ramp.js";
 export { MeshfrontObject, type MeshfrontEventMap, type MeshfrontOptions } from "./object.js";
 export { meshView, sameView, scales, type Quality, type Resolution } from "./view.js";

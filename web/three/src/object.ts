@@ -39,7 +39,7 @@ export interface MeshfrontEventMap extends Object3DEventMap {
   load: { info: ModelInfo };
   /** The model cannot be opened, or the engine broke down. */
   "load-error": { error: MeshfrontError };
-  /** What is drawn changed: draw a frame. */
+  /** What is drawn changed, or the model is open: call `update()` and draw a frame. */
   "needs-update": object;
   /** The front has become all that its cameras ask for, as far as the budget allows: once, after it was not. */
   "front-settled": { stats: FrameStats };
@@ -93,6 +93,7 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
   private readonly cameras = new Map<Camera, Resolution>();
   private last: { wanted: Wanted; stats: FrameStats } | undefined;
   private frame: number | undefined;
+  private changed = false;
   private announced = false;
   private vertexSlots = 0;
   private column: Shade | undefined;
@@ -301,6 +302,7 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
       outline(this.geometry, opened.info);
       this.useColors(opened.info.hasColors);
       this.dispatchEvent({ type: "load", info: opened.info });
+      this.dispatchEvent({ type: "needs-update" });
       return opened.info;
     } catch (thrown) {
       this.budget.leave(this.member);
@@ -341,6 +343,7 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
       get bufferBytes() { return object.bufferBytes; },
       wanted: () => (object.frozen ? object.recolored() : object.wanted()),
       apply: (frame, wanted) => object.apply(frame, wanted),
+      announce: () => object.announce(),
       fail(error: MeshfrontError) {
         object.opened = undefined;
         object.report(error);
@@ -354,15 +357,20 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
     applyFrame(this.geometry, { ...frame, shade });
     this.vertexSlots = frame.vertexSlots;
     this.frame = frame.frame;
-    const changed = vertices.ranges.length > 0 || triangles.ranges.length > 0 || shade !== undefined;
-    if (changed || !this.last || !sameWanted(this.last.wanted, wanted)) this.announced = false;
+    this.changed = vertices.ranges.length > 0 || triangles.ranges.length > 0 || shade !== undefined;
+    if (this.changed || !this.last || !sameWanted(this.last.wanted, wanted)) this.announced = false;
     this.last = { wanted, stats };
-    if (changed) this.dispatchEvent({ type: "needs-update" });
+  }
+
+  private announce(): void {
+    if (this.changed) this.dispatchEvent({ type: "needs-update" });
+    this.changed = false;
+    if (!this.last || this.announced) return;
+    const { wanted, stats } = this.last;
     // An answer to where the cameras were a moment ago is none to where they are.
-    if (stats.settled && !this.announced && sameWanted(wanted, this.wanted() ?? wanted)) {
-      this.announced = true;
-      this.dispatchEvent({ type: "front-settled", stats });
-    }
+    if (!stats.settled || !sameWanted(wanted, this.wanted() ?? wanted)) return;
+    this.announced = true;
+    this.dispatchEvent({ type: "front-settled", stats });
   }
 
   private report(thrown: unknown): MeshfrontError {

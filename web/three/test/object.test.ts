@@ -77,6 +77,24 @@ test("settled is told once, and again after the front was not", async () => {
   expect(told).toHaveBeenCalledTimes(3);
 });
 
+test("whoever is told that a front is settled finds it so", async () => {
+  const object = await open();
+  object.setResolution(cameraAt(object, [0, 0, 1], 4), 200, 200);
+  const told = new Promise<boolean>((resolve) => object.addEventListener("front-settled", () => resolve(object.settled)));
+  object.update();
+  expect(await told).toBe(true);
+});
+
+test("a view that comes while an answer is on its way is not forgotten", async () => {
+  const object = await open();
+  const camera = cameraAt(object, [0, 0, 1], 20);
+  object.setResolution(camera, 200, 200);
+  object.update();
+  camera.position.multiplyScalar(0.1);
+  object.update();
+  await vi.waitFor(() => expect(object.settled).toBe(true));
+});
+
 test("a frame is asked for when something changed, and not when nothing did", async () => {
   const object = await open();
   const camera = cameraAt(object, [0, 0, 1], 4);
@@ -176,7 +194,7 @@ test("the base mesh is drawn before the model is open, and progress ends with 1,
   object.addEventListener("load", () => told.push("load"));
   object.addEventListener("load-progress", ({ fraction }) => fractions.push(fraction));
   const info = await object.ready;
-  expect(told).toEqual(["base", "draw", "load"]);
+  expect(told).toEqual(["base", "draw", "load", "draw"]);
   expect(object.geometry.drawRange.count).toBe(3 * info.baseTriangles);
   expect(fractions.filter((fraction) => fraction === 1)).toHaveLength(1);
   expect(fractions.at(-1)).toBe(1);

@@ -122,7 +122,7 @@ function soupOf(geometry: BufferGeometry): Soup {
 }
 
 test("no ray falls through edges or vertices", () => {
-  const sphere = soupOf(new IcosahedronGeometry(1, 12));
+  const sphere = soupOf(new IcosahedronGeometry(1, 7));
   const at = (vertex: number) => new Vector3().fromArray(sphere.positions, 3 * vertex);
   let rays = 0;
   for (let t = 0; t < sphere.triangles; t++) {
@@ -142,7 +142,7 @@ test("no ray falls through edges or vertices", () => {
       }
     }
   }
-  expect(rays).toBeGreaterThan(10_000);
+  expect(rays).toBeGreaterThan(3_000);
 });
 
 test("a ray along an axis meets a grid whose vertices it goes through exactly", () => {

@@ -1,7 +1,7 @@
 //! The live mesh of one front. A cut leaves one half of a triangle in its slot, so that the update which made the
 //! triangle knows where it is for as long as it is applied.
 
-use super::lattice::{Site, quarter};
+use super::lattice::{Site, Spot, quarter};
 use super::record::Record;
 use super::{Corner, RightTriangles};
 use crate::live::{TriangleBuffers, VertexLook, put, snorm16};
@@ -75,13 +75,12 @@ impl FrontMesh {
     }
 
     #[inline]
-    pub(super) fn refine(&mut self, h: &RightTriangles, m: UpdateId) {
-        let spot = h.lattice.spot(m.0);
+    pub(super) fn refine(&mut self, h: &RightTriangles, m: UpdateId, spot: &Spot, apexes: [Option<u32>; 2]) {
         let site = spot.site();
         let level = (spot.level + 1).min(255) as u8;
         let v = self.new_vertex(h, site.x, site.y, &h.records[m.ix()], level);
         let mut around = [NONE; 4];
-        for (way, apex) in site.apexes().into_iter().zip(h.lattice.apexes(&spot)) {
+        for (way, apex) in site.apexes().into_iter().zip(apexes) {
             let Some(slot) = self.slot(h, &site, way, apex) else { continue };
             let [a, b, c] = self.buffers.triangles[slot as usize];
             self.buffers.set_triangle(slot, [c, a, v]);
