@@ -43,6 +43,7 @@ export interface Reading {
   position: Vector3;
   normal: Vector3;
   error: number | undefined;
+  /** That would replace the triangle; none where it is one of the source's. */
   update: number | undefined;
   level: number | undefined;
 }
@@ -222,7 +223,7 @@ export function makeMeasuring(settings: Settings, scenery: Scenery): Measuring {
       row(measure.normal, normal.toArray().map((x) => figures(x, 2)).join("; ")),
     ];
     if (error !== undefined) rows.push(row(measure.error, length(error, unit, 2)));
-    if (level !== undefined) rows.push(row(measure.update, update === undefined ? measure.base : `${count(update)}, ${measure.level(count(level))}`));
+    if (level !== undefined) rows.push(row(measure.update, update === undefined ? measure.finest : `${count(update)}, ${measure.level(count(level))}`));
     readout.replaceChildren(...rows);
   }
 
