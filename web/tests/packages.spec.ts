@@ -290,6 +290,14 @@ test("elements share worker, budget and context, and turn only where that is wel
   const other = await others();
   await expect.poll(others).not.toBeCloseTo(other, 2);
   expect(await x()).toBe(stopped);
+  // Out of sight nothing turns, and nothing is refined.
+  await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
+  await page.waitForFunction(() => document.querySelectorAll("mesh-front")[1]!.object!.frozen);
+  const unseen = await others();
+  await page.waitForFunction(() => [...document.querySelectorAll("mesh-front")].at(-1)!.loaded);
+  expect(await others()).toBe(unseen);
+  await page.evaluate(() => scrollTo(0, 0));
+  await expect.poll(others).not.toBe(unseen);
   await page.emulateMedia({ reducedMotion: "reduce" });
   await expect(page.getByRole("button", { name: "Pause turning" }).first()).toBeHidden();
   const frames = () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
@@ -297,6 +305,17 @@ test("elements share worker, budget and context, and turn only where that is wel
   const calm = await others();
   await frames();
   expect(await others()).toBe(calm);
+});
+
+test("the element: without WebGL it says so, and the poster stays", async ({ page }) => {
+  await page.addInitScript(() => {
+    const prototype = HTMLCanvasElement.prototype as unknown as { getContext(...a: any[]): RenderingContext | null };
+    const { getContext } = prototype;
+    prototype.getContext = function (...a) { return /webgl/.test(a[0]) ? null : getContext.apply(this, a); };
+  });
+  await openElement(page, `<mesh-front src="model.front" alt="A bumpy surface" poster="${POSTER}"></mesh-front>`);
+  await expect(page.getByRole("alert")).toContainText("needs WebGL 2");
+  await expect(page.locator("mesh-front img")).toBeVisible();
 });
 
 test("the element: a lost context comes back", async ({ page }) => {
