@@ -20,6 +20,8 @@ const web = fileURLToPath(new URL("..", import.meta.url));
 const npm = process.platform === "win32" ? "npm.cmd" : "npm";
 const home = mkdtempSync(join(tmpdir(), "meshfront-"));
 const modules = join(home, "node_modules");
+/** The first version of three.js that the packages promise to work with. */
+const OLDEST = "npm:three@0.160.0";
 
 let servers: { stop(): void }[] = [];
 test.afterEach(() => {
@@ -46,7 +48,7 @@ test.beforeAll(() => {
     const example = JSON.parse(readFileSync(join(web, "examples", name, "package.json"), "utf8"));
     return { ...example.dependencies, ...example.devDependencies };
   });
-  const project = { private: true, type: "module", dependencies: Object.assign({}, ...dependencies) };
+  const project = { private: true, type: "module", dependencies: Object.assign({ "three-oldest": OLDEST }, ...dependencies) };
   writeFileSync(join(home, "package.json"), JSON.stringify(project));
   run(home, npm, "install", "--no-audit", "--no-fund", "--silent", ...readdirSync(packed).map((file) => join(packed, file)));
   cpSync(join(web, "tests/fresh"), join(home, "fresh"), { recursive: true });
@@ -126,6 +128,20 @@ test("a fresh Vite project: types, build, picture, picking, materials, shadows, 
   expect(shaded).toBeLessThan(0.7 * lit);
 
   expect(page.workers()).toHaveLength(1);
+  await page.evaluate(() => window.fresh.dispose());
+  await expect.poll(() => page.workers().length).toBe(0);
+});
+
+test("the oldest three.js that is promised", async ({ page }) => {
+  const project = join(home, "fresh");
+  writeFileSync(join(project, "oldest.config.js"), 'export default { resolve: { alias: { three: "three-oldest" } } };');
+  vite(project, "build", "--config", "oldest.config.js", "--outDir", "oldest", "--logLevel", "error");
+  await open(page, (await serve(join(project, "oldest"))).url);
+  await page.waitForFunction(() => window.fresh?.settled());
+  expect(await page.evaluate(() => window.fresh.revision)).toBe("160");
+  expect(await drawnPart(page, "canvas", "packages-oldest")).toBeGreaterThan(0.1);
+  expect(await page.evaluate(() => window.fresh.pick()?.distance)).toBeGreaterThan(0);
+  expect((await page.evaluate(() => window.fresh.materials()))[1]).toEqual([0, 255, 0, 255]);
   await page.evaluate(() => window.fresh.dispose());
   await expect.poll(() => page.workers().length).toBe(0);
 });

@@ -276,7 +276,8 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
     if (this.ownsBudget) this.budget.dispose();
     this.geometry.dispose();
     this.ownMaterial?.dispose();
-    super.dispose();
+    // Older versions of three.js have no such method of objects.
+    (super.dispose as (() => void) | undefined)?.call(this);
   }
 
   /** Flies once around the model inside the worker; its front starts and ends as it was. Takes seconds. */

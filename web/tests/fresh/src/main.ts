@@ -2,8 +2,8 @@
 
 import { defaultScale, MeshfrontObject, shadeMaterial } from "@meshfront/three";
 import {
-  Color, DirectionalLight, FrontSide, HemisphereLight, type Intersection, type Material, Mesh, MeshStandardMaterial, PerspectiveCamera,
-  PlaneGeometry, Raycaster, Scene, ShaderMaterial, Vector2, Vector3, WebGLRenderer,
+  Color, DirectionalLight, HemisphereLight, type Intersection, type Material, Mesh, MeshStandardMaterial, PerspectiveCamera,
+  PlaneGeometry, Raycaster, REVISION, Scene, ShaderMaterial, Vector2, Vector3, WebGLRenderer,
 } from "three";
 
 const canvas = document.querySelector("canvas")!;
@@ -64,6 +64,7 @@ function colour(x = 0, y = 0): number[] {
 }
 
 const fresh = {
+  revision: REVISION,
   events,
   fractions,
   object,
@@ -110,7 +111,6 @@ const fresh = {
     return [without, within];
   },
   dispose: () => object.dispose(),
-  isOneSided: () => object.material.side === FrontSide,
 };
 declare global {
   interface Window { fresh: typeof fresh }
