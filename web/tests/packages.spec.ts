@@ -290,11 +290,21 @@ test("the element: attributes, failures, and leaving the page", async ({ page })
   await isSettled(page);
 
   expect(page.workers()).toHaveLength(1);
-  // Moved within the page it goes on; taken out it ends.
+  await element(page, ({ budget }) => { budget.maxTriangles = 1000; });
+  await expect.poll(triangles).toBeLessThanOrEqual(1000);
+  // Moved within the page it goes on; taken out it ends; brought back it is there again, under the same budget.
   await element(page, (element) => document.querySelector("main")!.append(element));
   expect(await element(page, ({ loaded }) => loaded)).toBe(true);
-  await page.evaluate(() => document.querySelector("mesh-front")!.remove());
+  const gone = await page.evaluateHandle(() => {
+    const element = document.querySelector("mesh-front")!;
+    element.remove();
+    return element;
+  });
   await expect.poll(() => page.workers().length).toBe(0);
+  expect(await gone.evaluate(({ loaded, object }) => [loaded, object === undefined])).toEqual([false, true]);
+  await gone.evaluate((element) => document.querySelector("main")!.append(element));
+  await isSettled(page);
+  expect(await triangles()).toBeLessThanOrEqual(1000);
 });
 
 test("elements share worker, budget and context, and turn only where that is welcome", async ({ page }) => {

@@ -15,7 +15,7 @@ import {
   Vector2, Vector3,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { MeshfrontBudget } from "./budget.js";
+import { type BudgetOptions, MeshfrontBudget } from "./budget.js";
 import { MeshfrontObject } from "./object.js";
 import { type Actor, enter, leave, wake } from "./stage.js";
 
@@ -107,6 +107,8 @@ const UPGRADED = ["src", "alt", "poster", "cameraControls", "autoRotate", "loadi
 
 /** All elements without a budget of their own share one, and with it a worker. */
 let shared: { budget: MeshfrontBudget; users: Set<MeshFrontElement> } | undefined;
+/** What the last of them allowed: a page that shows no element for a while need not say it again. */
+let limits: BudgetOptions = {};
 
 // Where pages are prepared on a server there are no elements.
 const Base = globalThis.HTMLElement ?? (class {} as unknown as typeof HTMLElement);
@@ -201,7 +203,7 @@ export class MeshFrontElement extends Base {
    */
   get budget(): MeshfrontBudget {
     if (this.own) return this.own;
-    shared ??= { budget: new MeshfrontBudget(), users: new Set() };
+    shared ??= { budget: new MeshfrontBudget(limits), users: new Set() };
     return shared.budget;
   }
   set budget(budget: MeshfrontBudget) {
@@ -402,6 +404,8 @@ export class MeshFrontElement extends Base {
     object?.removeFromParent();
     object?.dispose();
     if (shared?.users.delete(this) && shared.users.size === 0) {
+      const { maxTriangles, maxBytes, deadlineMs } = shared.budget;
+      limits = { maxTriangles, maxBytes, deadlineMs };
       shared.budget.dispose();
       shared = undefined;
     }
@@ -441,7 +445,8 @@ export class MeshFrontElement extends Base {
         image.alt = "";
         slot.append(image);
       }
-      image.src = new URL(poster, document.baseURI).href;
+      const { href } = new URL(poster, document.baseURI);
+      if (image.src !== href) image.src = href;
     }
     this.piece("poster").classList.toggle("gone", this.posterGone);
   }
