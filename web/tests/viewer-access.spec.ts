@@ -26,7 +26,7 @@ for (const [name, viewport] of Object.entries(SCREENS)) {
     test(`axe finds nothing: ${name}, ${colorScheme}`, async ({ page }) => {
       await page.setViewportSize(viewport);
       await page.emulateMedia({ colorScheme });
-      await open(page, "?tolerance=4&color=error&divider=0.5", server);
+      await open(page, "?tolerance=4&color=error&compare=0.5", server);
       expect(await page.evaluate(() => document.documentElement.dataset.theme)).toBe(colorScheme);
       await shot(page, `page-${name}-${colorScheme}`);
       const panel = page.locator("#panel");

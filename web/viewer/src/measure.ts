@@ -2,7 +2,7 @@
 
 import type { MeshfrontObject } from "@meshfront/three";
 import { type PerspectiveCamera, Vector2, Vector3 } from "three";
-import { make } from "./dom.js";
+import { element, make } from "./dom.js";
 import { type Hit, pick } from "./picking.js";
 import type { Settings } from "./settings.js";
 import { attribute, count, figures, label, length, texts, worded } from "./texts/index.js";
@@ -43,6 +43,7 @@ export interface Reading {
   position: Vector3;
   normal: Vector3;
   error: number | undefined;
+  /** That would replace the triangle; none where it is one of the source's. */
   update: number | undefined;
   level: number | undefined;
 }
@@ -67,8 +68,7 @@ export function makeMeasuring(settings: Settings, scenery: Scenery): Measuring {
   overlay.setAttribute("class", "overlay");
   overlay.setAttribute("aria-hidden", "true");
   canvas.after(overlay);
-  const readout = make("dl", { id: "readout", class: "readout", hidden: true });
-  overlay.after(readout);
+  const readout = element("readout");
 
   const results = make("ul", { id: "distances", class: "distances" });
   const advice = make("p", { class: "quiet" });
@@ -223,7 +223,7 @@ export function makeMeasuring(settings: Settings, scenery: Scenery): Measuring {
       row(measure.normal, normal.toArray().map((x) => figures(x, 2)).join("; ")),
     ];
     if (error !== undefined) rows.push(row(measure.error, length(error, unit, 2)));
-    if (level !== undefined) rows.push(row(measure.update, update === undefined ? measure.base : `${count(update)}, ${measure.level(count(level))}`));
+    if (level !== undefined) rows.push(row(measure.update, update === undefined ? measure.finest : `${count(update)}, ${measure.level(count(level))}`));
     readout.replaceChildren(...rows);
   }
 

@@ -152,7 +152,7 @@ export const en = {
     normal: "Normal",
     error: "Error",
     update: "Update",
-    base: "base mesh",
+    finest: "as in the original",
     level: (n: string) => `level ${n}`,
   },
 

@@ -147,7 +147,7 @@ export const pt: Texts = {
     normal: "Normal",
     error: "Erro",
     update: "Atualização",
-    base: "malha de base",
+    finest: "como no original",
     level: (n) => `nível ${n}`,
   },
 
