@@ -1,7 +1,9 @@
 /** The packages as they are packed, in projects that know nothing of this one: with Vite, with React, and without a bundler. */
 
 import { type ChildProcess, execFileSync, spawn } from "node:child_process";
-import { copyFileSync, cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
+import {
+  copyFileSync, cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, symlinkSync, writeFileSync,
+} from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -18,6 +20,8 @@ const web = fileURLToPath(new URL("..", import.meta.url));
 const npm = process.platform === "win32" ? "npm.cmd" : "npm";
 const home = mkdtempSync(join(tmpdir(), "meshfront-"));
 const modules = join(home, "node_modules");
+/** The first version of three.js that the packages promise to work with. */
+const OLDEST = "npm:three@0.160.0";
 
 let servers: { stop(): void }[] = [];
 test.afterEach(() => {
@@ -44,7 +48,8 @@ test.beforeAll(() => {
     const example = JSON.parse(readFileSync(join(web, "examples", name, "package.json"), "utf8"));
     return { ...example.dependencies, ...example.devDependencies };
   });
-  writeFileSync(join(home, "package.json"), JSON.stringify({ private: true, type: "module", dependencies: Object.assign({}, ...dependencies) }));
+  const project = { private: true, type: "module", dependencies: Object.assign({ "three-oldest": OLDEST }, ...dependencies) };
+  writeFileSync(join(home, "package.json"), JSON.stringify(project));
   run(home, npm, "install", "--no-audit", "--no-fund", "--silent", ...readdirSync(packed).map((file) => join(packed, file)));
   cpSync(join(web, "tests/fresh"), join(home, "fresh"), { recursive: true });
   for (const name of ["plain", "vite", "react-three-fiber"]) cpSync(join(web, "examples", name), join(home, name), { recursive: true });
@@ -66,7 +71,8 @@ async function open(page: Page, url: string): Promise<void> {
 
 /** Part of an element's pixels that are not those of its upper left corner. */
 async function drawnPart(page: Page, selector: string, name: string): Promise<number> {
-  const { data, width, height } = PNG.sync.read(await page.locator(selector).screenshot({ path: join(screenshots, `${name}.png`) }));
+  const path = join(screenshots, `${name}.png`);
+  const { data, width, height } = PNG.sync.read(await page.locator(selector).screenshot({ path }));
   const [corner, all] = [data.subarray(4 * (5 * width + 20), 4 * (5 * width + 20) + 3), width * height];
   let different = 0;
   for (let i = 0; i < all; i++) if ([0, 1, 2].some((k) => Math.abs(data[4 * i + k]! - corner[k]!) > 12)) different++;
@@ -79,8 +85,11 @@ test("what is packed: modules, types, licences, a text, and nothing else", () =>
     const files = readdirSync(folder, { recursive: true, withFileTypes: true })
       .filter((entry) => entry.isFile())
       .map((entry) => join(entry.parentPath, entry.name).slice(folder.length + 1).replaceAll("\\", "/"));
-    const known = /^(package\.json|README\.md|LICENSE-(MIT|APACHE)|dist\/[\w-]+\.(js|js\.map|d\.ts)|wasm\/meshfront_wasm(\.js|\.d\.ts|_bg\.wasm))$/;
-    expect(files.filter((file) => !known.test(file))).toEqual([]);
+    const known = [
+      /^package\.json$/, /^README\.md$/, /^LICENSE-(MIT|APACHE)$/, /^dist\/[\w-]+\.(js|js\.map|d\.ts)$/,
+      /^wasm\/meshfront_wasm(\.js|\.d\.ts|_bg\.wasm)$/,
+    ];
+    expect(files.filter((file) => !known.some((pattern) => pattern.test(file)))).toEqual([]);
     expect(files).toEqual(expect.arrayContaining(["README.md", "LICENSE-MIT", "LICENSE-APACHE", "dist/index.js", "dist/index.d.ts"]));
     for (const map of files.filter((file) => file.endsWith(".map"))) {
       expect(JSON.parse(readFileSync(join(folder, map), "utf8"))).toHaveProperty("sourcesContent");
@@ -123,8 +132,23 @@ test("a fresh Vite project: types, build, picture, picking, materials, shadows, 
   await expect.poll(() => page.workers().length).toBe(0);
 });
 
+test("the oldest three.js that is promised", async ({ page }) => {
+  const project = join(home, "fresh");
+  writeFileSync(join(project, "oldest.config.js"), 'export default { resolve: { alias: { three: "three-oldest" } } };');
+  vite(project, "build", "--config", "oldest.config.js", "--outDir", "oldest", "--logLevel", "error");
+  await open(page, (await serve(join(project, "oldest"))).url);
+  await page.waitForFunction(() => window.fresh?.settled());
+  expect(await page.evaluate(() => window.fresh.revision)).toBe("160");
+  expect(await drawnPart(page, "canvas", "packages-oldest")).toBeGreaterThan(0.1);
+  expect(await page.evaluate(() => window.fresh.pick()?.distance)).toBeGreaterThan(0);
+  expect((await page.evaluate(() => window.fresh.materials()))[1]).toEqual([0, 255, 0, 255]);
+  await page.evaluate(() => window.fresh.dispose());
+  await expect.poll(() => page.workers().length).toBe(0);
+});
+
 test("Vite's development server finds worker and engine", async ({ page }) => {
-  const server: ChildProcess = spawn(process.execPath, [join(modules, "vite/bin/vite.js"), "--host", "127.0.0.1", "--port", "0"], { cwd: join(home, "fresh") });
+  const args = [join(modules, "vite/bin/vite.js"), "--host", "127.0.0.1", "--port", "0"];
+  const server: ChildProcess = spawn(process.execPath, args, { cwd: join(home, "fresh") });
   servers.push({ stop: () => void server.kill() });
   const url = await new Promise<string>((found) => {
     let said = "";
@@ -266,11 +290,21 @@ test("the element: attributes, failures, and leaving the page", async ({ page })
   await isSettled(page);
 
   expect(page.workers()).toHaveLength(1);
-  // Moved within the page it goes on; taken out it ends.
+  await element(page, ({ budget }) => { budget.maxTriangles = 1000; });
+  await expect.poll(triangles).toBeLessThanOrEqual(1000);
+  // Moved within the page it goes on; taken out it ends; brought back it is there again, under the same budget.
   await element(page, (element) => document.querySelector("main")!.append(element));
   expect(await element(page, ({ loaded }) => loaded)).toBe(true);
-  await page.evaluate(() => document.querySelector("mesh-front")!.remove());
+  const gone = await page.evaluateHandle(() => {
+    const element = document.querySelector("mesh-front")!;
+    element.remove();
+    return element;
+  });
   await expect.poll(() => page.workers().length).toBe(0);
+  expect(await gone.evaluate(({ loaded, object }) => [loaded, object === undefined])).toEqual([false, true]);
+  await gone.evaluate((element) => document.querySelector("main")!.append(element));
+  await isSettled(page);
+  expect(await triangles()).toBeLessThanOrEqual(1000);
 });
 
 test("elements share worker, budget and context, and turn only where that is welcome", async ({ page }) => {
@@ -290,6 +324,14 @@ test("elements share worker, budget and context, and turn only where that is wel
   const other = await others();
   await expect.poll(others).not.toBeCloseTo(other, 2);
   expect(await x()).toBe(stopped);
+  // Out of sight nothing turns, and nothing is refined.
+  await page.evaluate(() => scrollTo(0, document.body.scrollHeight));
+  await page.waitForFunction(() => document.querySelectorAll("mesh-front")[1]!.object!.frozen);
+  const unseen = await others();
+  await page.waitForFunction(() => [...document.querySelectorAll("mesh-front")].at(-1)!.loaded);
+  expect(await others()).toBe(unseen);
+  await page.evaluate(() => scrollTo(0, 0));
+  await expect.poll(others).not.toBe(unseen);
   await page.emulateMedia({ reducedMotion: "reduce" });
   await expect(page.getByRole("button", { name: "Pause turning" }).first()).toBeHidden();
   const frames = () => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
@@ -297,6 +339,17 @@ test("elements share worker, budget and context, and turn only where that is wel
   const calm = await others();
   await frames();
   expect(await others()).toBe(calm);
+});
+
+test("the element: without WebGL it says so, and the poster stays", async ({ page }) => {
+  await page.addInitScript(() => {
+    const prototype = HTMLCanvasElement.prototype as unknown as { getContext(...a: any[]): RenderingContext | null };
+    const { getContext } = prototype;
+    prototype.getContext = function (...a) { return /webgl/.test(a[0]) ? null : getContext.apply(this, a); };
+  });
+  await openElement(page, `<mesh-front src="model.front" alt="A bumpy surface" poster="${POSTER}"></mesh-front>`);
+  await expect(page.getByRole("alert")).toContainText("needs WebGL 2");
+  await expect(page.locator("mesh-front img")).toBeVisible();
 });
 
 test("the element: a lost context comes back", async ({ page }) => {

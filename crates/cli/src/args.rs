@@ -359,8 +359,8 @@ pub struct Compare {
 /// Open hierarchies or meshes in the browser, side by side under one triangle budget
 ///
 /// Serves on this machine alone, until Ctrl-C. A mesh is made into a hierarchy first, which is kept only while it is
-/// looked at. Several files are shown where their coordinates say, each turned so that its up is up, unless `--at` says
-/// where.
+/// looked at; so is one that is dropped on the page. Several files are shown where their coordinates say, each turned so that its up
+/// is up, unless `--at` says where.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:

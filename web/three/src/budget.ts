@@ -53,12 +53,11 @@ export interface BudgetOptions {
  * Each object's `update()` updates all of them; once per frame is enough. Dispose of it after its objects.
  */
 export class MeshfrontBudget {
-  maxTriangles: number;
-  maxBytes: number;
   deadlineMs: number;
   /** The line to the worker, for what this class does not offer. */
   readonly client: MeshfrontClient;
 
+  private readonly most: { triangles: number; bytes: number };
   private readonly members = new Set<Member>();
   private asked: { members: Member[]; maxTriangles: number; maxBytes: number } | undefined;
   private inFlight = false;
@@ -66,10 +65,27 @@ export class MeshfrontBudget {
   private broken = false;
 
   constructor(options: BudgetOptions = {}) {
-    this.maxTriangles = options.maxTriangles ?? Infinity;
-    this.maxBytes = options.maxBytes ?? Infinity;
+    this.most = { triangles: options.maxTriangles ?? Infinity, bytes: options.maxBytes ?? Infinity };
     this.deadlineMs = options.deadlineMs ?? 6;
     this.client = new MeshfrontClient(options.worker);
+  }
+
+  /** The most triangles that all fronts together may hold. A change is asked for at once. */
+  get maxTriangles(): number {
+    return this.most.triangles;
+  }
+  set maxTriangles(triangles: number) {
+    this.most.triangles = triangles;
+    this.update();
+  }
+
+  /** The most bytes that all fronts together may take. A change is asked for at once. */
+  get maxBytes(): number {
+    return this.most.bytes;
+  }
+  set maxBytes(bytes: number) {
+    this.most.bytes = bytes;
+    this.update();
   }
 
   /** Whether every front is all that its cameras ask for, as far as the budget allows. */

@@ -15,7 +15,7 @@ import {
   Vector2, Vector3,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { MeshfrontBudget } from "./budget.js";
+import { type BudgetOptions, MeshfrontBudget } from "./budget.js";
 import { MeshfrontObject } from "./object.js";
 import { type Actor, enter, leave, wake } from "./stage.js";
 
@@ -65,14 +65,17 @@ canvas.controlled:active { cursor: grabbing; }
   transition: opacity 0.3s, visibility 0.3s; }
 .poster img, ::slotted([slot="poster"]) { width: 100%; height: 100%; object-fit: contain; }
 .poster.gone { opacity: 0; visibility: hidden; }
-.progress { position: absolute; inset: auto 0 0 0; height: 4px; background: var(--mesh-front-progress-background, rgb(127 127 127 / 0.3)); }
+.progress { position: absolute; inset: auto 0 0 0; height: 4px;
+  background: var(--mesh-front-progress-background, rgb(127 127 127 / 0.3)); }
 .progress div { height: 100%; width: 0; background: var(--mesh-front-progress-color, Highlight); }
 .error { position: absolute; inset: 0; margin: 0; padding: 1em; display: grid; align-content: center; overflow: auto;
   font: 1rem/1.4 system-ui, sans-serif; color: CanvasText; background: Canvas; }
 button { position: absolute; right: 8px; bottom: 12px; width: 32px; height: 32px; padding: 0; border: 0; border-radius: 50%;
   color: CanvasText; background: Canvas; opacity: 0.8; cursor: pointer; }
-button::before { content: ""; display: block; width: 4px; height: 12px; margin: auto; border: solid currentColor; border-width: 0 4px; }
-button[aria-pressed="true"]::before { width: 0; height: 0; border-width: 7px 0 7px 12px; border-color: transparent transparent transparent currentColor; translate: 2px; }
+button::before { content: ""; display: block; width: 4px; height: 12px; margin: auto;
+  border: solid currentColor; border-width: 0 4px; }
+button[aria-pressed="true"]::before { width: 0; height: 0; translate: 2px;
+  border-width: 7px 0 7px 12px; border-color: transparent transparent transparent currentColor; }
 .hidden { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap; }
 [hidden] { display: none !important; }
 @media (prefers-reduced-motion: reduce) { .poster { transition: none; } }
@@ -99,8 +102,13 @@ const NEAR_WINDOW = "50%";
 /** What an arrow key turns, radians, and moves, parts of the distance. */
 const [KEY_TURN, KEY_MOVE, KEY_ZOOM] = [Math.PI / 24, 0.05, 1.12];
 
+/** Properties that may be set before the element is known. */
+const UPGRADED = ["src", "alt", "poster", "cameraControls", "autoRotate", "loading", "tolerance", "budget"] as const;
+
 /** All elements without a budget of their own share one, and with it a worker. */
 let shared: { budget: MeshfrontBudget; users: Set<MeshFrontElement> } | undefined;
+/** What the last of them allowed: a page that shows no element for a while need not say it again. */
+let limits: BudgetOptions = {};
 
 // Where pages are prepared on a server there are no elements.
 const Base = globalThis.HTMLElement ?? (class {} as unknown as typeof HTMLElement);
@@ -195,7 +203,7 @@ export class MeshFrontElement extends Base {
    */
   get budget(): MeshfrontBudget {
     if (this.own) return this.own;
-    shared ??= { budget: new MeshfrontBudget(), users: new Set() };
+    shared ??= { budget: new MeshfrontBudget(limits), users: new Set() };
     return shared.budget;
   }
   set budget(budget: MeshfrontBudget) {
@@ -269,7 +277,7 @@ export class MeshFrontElement extends Base {
 
   /** @internal */
   connectedCallback(): void {
-    for (const key of ["src", "alt", "poster", "cameraControls", "autoRotate", "loading", "tolerance", "budget"] as const) this.upgrade(key);
+    for (const key of UPGRADED) this.upgrade(key);
     if (this.disconnect) return;
     this.describe();
     try {
@@ -336,7 +344,9 @@ export class MeshFrontElement extends Base {
   override addEventListener<K extends keyof MeshFrontEventMap>(
     type: K, listener: (event: MeshFrontEventMap[K]) => void, options?: boolean | AddEventListenerOptions,
   ): void;
-  override addEventListener(type: string, listener: EventListenerOrEventListenerObject | null, options?: boolean | AddEventListenerOptions): void;
+  override addEventListener(
+    type: string, listener: EventListenerOrEventListenerObject | null, options?: boolean | AddEventListenerOptions,
+  ): void;
   override addEventListener(type: string, listener: never, options?: boolean | AddEventListenerOptions): void {
     super.addEventListener(type, listener, options);
   }
@@ -394,6 +404,8 @@ export class MeshFrontElement extends Base {
     object?.removeFromParent();
     object?.dispose();
     if (shared?.users.delete(this) && shared.users.size === 0) {
+      const { maxTriangles, maxBytes, deadlineMs } = shared.budget;
+      limits = { maxTriangles, maxBytes, deadlineMs };
       shared.budget.dispose();
       shared = undefined;
     }
@@ -433,7 +445,8 @@ export class MeshFrontElement extends Base {
         image.alt = "";
         slot.append(image);
       }
-      image.src = new URL(poster, document.baseURI).href;
+      const { href } = new URL(poster, document.baseURI);
+      if (image.src !== href) image.src = href;
     }
     this.piece("poster").classList.toggle("gone", this.posterGone);
   }
@@ -637,7 +650,7 @@ export class MeshFrontElement extends Base {
   }
 
   /** A property that was set before the element was known is taken over. */
-  private upgrade(key: "src" | "alt" | "poster" | "cameraControls" | "autoRotate" | "loading" | "tolerance" | "budget"): void {
+  private upgrade(key: (typeof UPGRADED)[number]): void {
     if (!Object.hasOwn(this, key)) return;
     const value = this[key];
     delete (this as Partial<this>)[key];

@@ -68,7 +68,7 @@ export function shadeMaterial(scale: Scale, parameters: MeshStandardMaterialPara
   material.onBeforeCompile = (shader) => {
     shader.uniforms.shading = shading;
     shader.vertexShader = shader.vertexShader
-      .replace("#include <common>", "#include <common>\nattribute float level;\nattribute float shade;\nuniform vec4 shading;\nvarying float vShade;")
+      .replace("#include <common>", `#include <common>\n${ATTRIBUTES}`)
       .replace("#include <begin_vertex>", "#include <begin_vertex>\nvShade = shading.z > 0.5 ? level : shade;");
     shader.fragmentShader = shader.fragmentShader
       .replace("#include <common>", `#include <common>\nuniform vec4 shading;\nvarying float vShade;\n${GLSL}`)
@@ -82,6 +82,12 @@ export function shadeMaterial(scale: Scale, parameters: MeshStandardMaterialPara
 export function levelMaterial(parameters: MeshStandardMaterialParameters = {}): ShadeMaterial {
   return shadeMaterial(defaultScale("level"), parameters);
 }
+
+const ATTRIBUTES = /* glsl */ `
+attribute float level;
+attribute float shade;
+uniform vec4 shading;
+varying float vShade;`;
 
 const GLSL = /* glsl */ `
 const vec3 RAMP[${RAMP.length}] = vec3[](${RAMP.map(vec3).join(", ")});

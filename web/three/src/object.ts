@@ -82,7 +82,10 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
   tolerancePx: number;
   /** Keep what lies outside of all pictures coarse. */
   cullFrustum = true;
-  /** Keep what faces away from all cameras coarse. Without effect where backs may be seen: by the material's `side`, or `castShadow`. */
+  /**
+   * Keep what faces away from all cameras coarse. Without effect where backs may be seen: by the material's `side`, or by a
+   * light (`castShadow`).
+   */
   cullOrientation = true;
   /** A part of the model, in mesh space, outside of which another tolerance holds. */
   region: Region | undefined;
@@ -273,7 +276,8 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
     if (this.ownsBudget) this.budget.dispose();
     this.geometry.dispose();
     this.ownMaterial?.dispose();
-    super.dispose();
+    // Older versions of three.js have no such method of objects.
+    (super.dispose as (() => void) | undefined)?.call(this);
   }
 
   /** Flies once around the model inside the worker; its front starts and ends as it was. Takes seconds. */
@@ -285,7 +289,8 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
   override clone(recursive = true): this {
     const { material, tolerancePx } = this;
     const twin = new MeshfrontObject(this, this.ownMaterial === material ? { tolerancePx } : { tolerancePx, material });
-    for (const key of ["cullFrustum", "cullOrientation", "region", "frozen", "shade"] as const) twin[key as never] = this[key] as never;
+    const { cullFrustum, cullOrientation, region, frozen, shade } = this;
+    Object.assign(twin, { cullFrustum, cullOrientation, region, frozen, shade });
     // A mesh would take the other's geometry as well.
     return Object3D.prototype.copy.call(twin, this, recursive) as this;
   }

@@ -41,7 +41,7 @@ export interface Soup {
 
 type Triple = readonly [number, number, number];
 
-/** Of each vertex the quadrant that it lies in, seen along the ray: one bit for each of the half planes x < 0, x ≥ 0, y < 0, y ≥ 0. */
+/** Of each vertex the quadrant that it lies in, seen along the ray: a bit for each of the half planes x < 0, x ≥ 0, y < 0, y ≥ 0. */
 let quadrants = new Uint8Array();
 
 /**

@@ -2,8 +2,8 @@
 
 import { defaultScale, MeshfrontObject, shadeMaterial } from "@meshfront/three";
 import {
-  Color, DirectionalLight, FrontSide, HemisphereLight, type Intersection, type Material, Mesh, MeshStandardMaterial, PerspectiveCamera,
-  PlaneGeometry, Raycaster, Scene, ShaderMaterial, Vector2, Vector3, WebGLRenderer,
+  Color, DirectionalLight, HemisphereLight, type Intersection, type Material, Mesh, MeshStandardMaterial, PerspectiveCamera,
+  PlaneGeometry, Raycaster, REVISION, Scene, ShaderMaterial, Vector2, Vector3, WebGLRenderer,
 } from "three";
 
 const canvas = document.querySelector("canvas")!;
@@ -39,7 +39,12 @@ renderer.setAnimationLoop(() => {
 
 /** A material of one's own that writes a colour for each level. */
 const own = new ShaderMaterial({
-  vertexShader: "attribute float level; varying float v; void main() { v = level; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }",
+  vertexShader: `attribute float level;
+    varying float v;
+    void main() {
+      v = level;
+      gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+    }`,
   fragmentShader: "varying float v; void main() { gl_FragColor = vec4(1.0, v / 40.0, 0.0, 1.0); }",
 });
 /** One that takes part in three.js's own. */
@@ -59,6 +64,7 @@ function colour(x = 0, y = 0): number[] {
 }
 
 const fresh = {
+  revision: REVISION,
   events,
   fractions,
   object,
@@ -91,7 +97,8 @@ const fresh = {
     sun.target.position.copy(center);
     sun.castShadow = true;
     const view = sun.shadow.camera;
-    [view.left, view.right, view.top, view.bottom, view.near, view.far] = [-2 * radius, 2 * radius, 2 * radius, -2 * radius, radius, 12 * radius];
+    const wide = 2 * radius;
+    Object.assign(view, { left: -wide, right: wide, top: wide, bottom: -wide, near: radius, far: 12 * radius });
     view.updateProjectionMatrix();
     // Far to the right of the object, where its shadow falls on the wall.
     const there = new Vector3(1.6, 0, -1.5).multiplyScalar(radius).add(center).project(camera);
@@ -104,7 +111,6 @@ const fresh = {
     return [without, within];
   },
   dispose: () => object.dispose(),
-  isOneSided: () => object.material.side === FrontSide,
 };
 declare global {
   interface Window { fresh: typeof fresh }
