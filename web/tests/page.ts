@@ -29,6 +29,7 @@ export interface Meshfront {
   objects: {
     visible: boolean;
     info?: ModelInfo;
+    bufferBytes: number;
     material: { color: { set(color: number): void }; type: string };
     addEventListener(type: string, listener: () => void): void;
     geometry: { attributes: Record<string, { array: ArrayBufferView }>; index: { array: ArrayBufferView } };

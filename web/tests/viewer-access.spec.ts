@@ -95,9 +95,9 @@ test("everything by keyboard alone", async ({ page, context }) => {
   await page.keyboard.press("ArrowRight");
   await page.keyboard.press("Shift+Tab");
   await page.keyboard.press("c");
+  await Promise.all([page.waitForEvent("filechooser"), page.keyboard.press("o")]);
   const [picture] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("p")]);
   expect(picture.suggestedFilename()).toMatch(/png$/);
-  await Promise.all([page.waitForEvent("filechooser"), page.keyboard.press("o")]);
   await page.keyboard.press("?");
   await expect(page.getByRole("dialog")).toContainText("Shift + arrows");
   await page.keyboard.press("Escape");

@@ -33,11 +33,7 @@ test("budgets are hard, and say what they leave", async ({ page }) => {
   await expect(bites).toBeHidden();
 
   // Memory: in the engine and in buffers, at every moment.
-  const bytes = () => page.evaluate(() => {
-    const { frontBytes } = window.meshfront.stats()!;
-    const { attributes, index } = window.meshfront.objects[0]!.geometry;
-    return frontBytes + 2 * [...Object.values(attributes), index].reduce((sum, { array }) => sum + array.byteLength, 0);
-  });
+  const bytes = () => page.evaluate(() => window.meshfront.stats()!.frontBytes + 2 * window.meshfront.objects[0]!.bufferBytes);
   const most = Math.round((await bytes()) / 2);
   await set(page, "maxBytes", most);
   await page.waitForFunction(() => window.meshfront.stats()!.byteBound);

@@ -37,7 +37,8 @@ const ADDRESS_MS = 300;
 /** How long a message stays to be seen, milliseconds; it stays to be read aloud. */
 const MESSAGE_MS = 5000;
 
-export function start(stage: Stage, settings: Settings, address: Address): void {
+/** Starts the page; what comes back is for consoles and tests. */
+export function start(stage: Stage, settings: Settings, address: Address) {
   const { camera, canvas, renderer, scene } = stage;
   const appearance = makeAppearance(settings);
   const loading = makeLoading();
@@ -500,17 +501,14 @@ export function start(stage: Stage, settings: Settings, address: Address): void 
     renderer,
     get objects() { return shown.map(({ object }) => object); },
   };
-  window.meshfront = meshfront;
 
   renderer.setAnimationLoop(frame);
   void open();
+  return meshfront;
 }
 
 /** What the page offers to consoles and tests. */
-export interface Meshfront extends Record<string, unknown> {}
-declare global {
-  interface Window { meshfront: Meshfront }
-}
+export type Meshfront = ReturnType<typeof start>;
 
 /** The box of models as they are shown. */
 function boxOf(objects: readonly MeshfrontObject[]): Box3 {

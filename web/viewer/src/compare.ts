@@ -120,16 +120,14 @@ export function makeCompare(settings: Settings, stage: Stage, changed: () => voi
       if (settings.now.divider !== undefined && shown.length > 0) open();
     },
     update(camera, renderer) {
-      if (!budget || complete) {
-        originals.forEach((original, i) => follow(original, shown[i]!));
-        return;
-      }
+      if (!budget) return;
       originals.forEach((original, i) => {
         if (!original) return;
         follow(original, shown[i]!);
-        if (original.info) original.setResolutionFromRenderer(camera, renderer);
+        if (original.info && !complete) original.setResolutionFromRenderer(camera, renderer);
       });
       budget.update();
+      if (complete) return;
       const all = originals.filter(Boolean);
       if (all.length < shown.length || !all.every(({ stats }) => stats?.settled)) return;
       // All there is, from wherever one looks: the engine need not be asked again.
@@ -167,6 +165,7 @@ function follow(original: MeshfrontObject | undefined, { object }: Shown): void 
   original.quaternion.copy(object.quaternion);
   original.scale.copy(object.scale);
   original.material = object.material;
+  original.shade = object.shade;
 }
 
 /** The bytes of a file that was dropped are not kept: they are read again. */

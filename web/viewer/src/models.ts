@@ -56,17 +56,11 @@ export function figuresOf(
     engineMs: stats.engineMs,
     gatherMs: stats.gatherMs,
     uploadBytes: stats.uploadBytes,
-    bufferBytes: sum(shown.map(({ object }) => bufferBytes(object))),
+    bufferBytes: sum(shown.map(({ object }) => object.bufferBytes)),
     settled: stats.settled,
     budgetBound: stats.budgetBound,
     byteBound: stats.byteBound,
   };
-}
-
-/** As much in memory as on the graphics card. */
-function bufferBytes({ geometry }: MeshfrontObject): number {
-  const columns = [...Object.values(geometry.attributes), ...(geometry.index ? [geometry.index] : [])];
-  return columns.reduce((total, { array }) => total + array.byteLength, 0);
 }
 
 /** The size that a person would say a model has: that of its source, before cleaning. */

@@ -103,6 +103,6 @@ export function length(n: number, unit: Unit, digits = 3): string {
 /** Coordinates are long where the place is far from the origin: as many figures as say something. */
 function exact(n: number, digits: number): string {
   const size = Math.abs(n);
-  if (size !== 0 && (size < 1e-4 || size >= 1e9)) return number(n, { notation: "scientific", maximumSignificantDigits: digits });
+  if (size !== 0 && (size < 1e-6 || size >= 1e9)) return number(n, { notation: "scientific", maximumSignificantDigits: digits });
   return number(n, { maximumSignificantDigits: Math.max(digits, Math.min(9, Math.floor(Math.log10(size || 1)) + 1)) });
 }
