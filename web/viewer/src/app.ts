@@ -53,6 +53,8 @@ export function start(stage: Stage, settings: Settings, address: Address) {
   let spheres: Spheres[] = [];
   let engineBytes: number | undefined;
   let dirty = true;
+  /** The engine's answer changed what is drawn. */
+  let answered = false;
   let framed = false;
   let opened = false;
   let waiting: (() => void)[] = [];
@@ -241,7 +243,7 @@ export function start(stage: Stage, settings: Settings, address: Address) {
     object.add(new Mesh(object.geometry, appearance.lines));
     object.addEventListener("load-progress", (progress) => loading.progress(i, card.name, progress));
     object.addEventListener("load-error", ({ error }) => fail(error));
-    object.addEventListener("needs-update", changed);
+    object.addEventListener("needs-update", () => { answered = dirty = true; });
     object.addEventListener("load-base", ({ base }) => arrive(model, (base as { up?: Point }).up ?? [0, 1, 0]));
     object.addEventListener("load", ({ info }) => arrive(model, info.up));
     object.addEventListener("front-settled", settledNow);
@@ -414,7 +416,6 @@ export function start(stage: Stage, settings: Settings, address: Address) {
 
   let lastFrame = 0;
   let lastFigures = -Infinity;
-  let answered: FrameStats | undefined;
   let figuresLate = false;
   function frame(now: number): void {
     const seconds = (now - lastFrame) / 1000;
@@ -441,12 +442,14 @@ export function start(stage: Stage, settings: Settings, address: Address) {
       figuresLate = true;
     }
     measuring.update(drawn);
-    const all = stats();
-    if (all && all !== answered && (all.refined || all.coarsened || all.evaluations)) {
-      if (!sameAnswer(all, answered)) panel.record(figures(all));
-      answered = all;
+    const isDue = figuresLate && now - lastFigures > FIGURES_MS;
+    // Summing up is for those who look.
+    const all = answered || isDue || waiting.length > 0 ? stats() : undefined;
+    if (all && answered) {
+      answered = false;
+      panel.record(figures(all));
     }
-    if (all && figuresLate && now - lastFigures > FIGURES_MS) {
+    if (all && isDue) {
       figuresLate = false;
       lastFigures = now;
       panel.show(figures(all), figuresOfEach());
@@ -527,8 +530,4 @@ function boxOf(objects: readonly MeshfrontObject[]): Box3 {
 function upOf(up: Up, own: readonly number[]): Vector3 {
   if (up === "file") return new Vector3(...own);
   return new Vector3().setComponent("xyz".indexOf(up[1]!), up[0] === "-" ? -1 : 1);
-}
-
-function sameAnswer(a: FrameStats, b: FrameStats | undefined): boolean {
-  return b !== undefined && JSON.stringify(a) === JSON.stringify(b);
 }

@@ -32,8 +32,6 @@ export interface Measuring {
   clear(): void;
   /** What is drawn over the picture. */
   lines(): Line[];
-  /** Sets a point at the crosshair. */
-  setPoint(): Promise<void>;
   /** What was read last. */
   readonly reading: Reading | undefined;
 }
@@ -233,7 +231,6 @@ export function makeMeasuring(settings: Settings, scenery: Scenery): Measuring {
       if (marks.length > 0) clear();
     },
     lines,
-    setPoint: () => mark(scenery.middle()),
     get reading() { return reading; },
     update(moved) {
       if (moved || !looked) drawLines();
