@@ -221,7 +221,9 @@ export function makeMeasuring(settings: Settings, scenery: Scenery): Measuring {
       row(measure.normal, normal.toArray().map((x) => figures(x, 2)).join("; ")),
     ];
     if (error !== undefined) rows.push(row(measure.error, length(error, unit, 2)));
-    if (level !== undefined) rows.push(row(measure.update, update === undefined ? measure.finest : `${count(update)}, ${measure.level(count(level))}`));
+    if (level !== undefined) {
+      rows.push(row(measure.update, update === undefined ? measure.finest : `${count(update)}, ${measure.level(count(level))}`));
+    }
     readout.replaceChildren(...rows);
   }
 
