@@ -32,6 +32,7 @@ export interface Meshfront {
     bufferBytes: number;
     material: { color: { set(color: number): void }; type: string };
     addEventListener(type: string, listener: () => void): void;
+    removeEventListener(type: string, listener: () => void): void;
     geometry: { attributes: Record<string, { array: ArrayBufferView }>; index: { array: ArrayBufferView } };
   }[];
 }
@@ -56,7 +57,11 @@ export const eye = (page: Page) => page.evaluate(() => window.meshfront.camera.p
 
 /** The models as they are drawn now, where nothing is drawn transparent. */
 export async function picture(page: Page): Promise<PNG> {
-  const url = await page.evaluate(() => window.meshfront.picture());
+  return decoded(await page.evaluate(() => window.meshfront.picture()));
+}
+
+/** A PNG from a data URL. */
+export function decoded(url: string): PNG {
   return PNG.sync.read(Buffer.from(url.split(",")[1]!, "base64"));
 }
 

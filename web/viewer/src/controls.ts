@@ -145,7 +145,8 @@ export function makeControls(settings: Settings, readings: HTMLElement): Control
       own.hidden = !isOwn;
       if (isOwn) own.value = value;
     });
-    return make("div", { class: "field choice" }, label(make("label", { for: "background" }), (t) => t.look.background), make("span", {}, select, own));
+    const name = label(make("label", { for: "background" }), (t) => t.look.background);
+    return make("div", { class: "field choice" }, name, make("span", {}, select, own));
   }
 
   const upName = (t: Texts, up: Values["up"]) => (up === "file" ? t.navigation.asInFile : up.replace("-", "−"));

@@ -13,10 +13,10 @@ export interface Failure {
 
 export function makeFailure(): Failure {
   const box = element("failure");
-  const [retry, close, reload] = ["retry", "close-failure", "reload"].map((id) => element<HTMLButtonElement>(id)) as [HTMLButtonElement, HTMLButtonElement, HTMLButtonElement];
-  label(retry, (t) => t.failures.retry);
-  label(close, (t) => t.failures.close);
-  label(reload, (t) => t.failures.reload).addEventListener("click", () => location.reload());
+  const retry = label(element<HTMLButtonElement>("retry"), (t) => t.failures.retry);
+  const close = label(element<HTMLButtonElement>("close-failure"), (t) => t.failures.close);
+  const reload = label(element<HTMLButtonElement>("reload"), (t) => t.failures.reload);
+  reload.addEventListener("click", () => location.reload());
   let words: ((t: Texts) => Failed) | undefined;
   const write = () => {
     if (!words) return;

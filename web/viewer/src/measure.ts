@@ -32,8 +32,6 @@ export interface Measuring {
   clear(): void;
   /** What is drawn over the picture. */
   lines(): Line[];
-  /** Sets a point at the crosshair. */
-  setPoint(): Promise<void>;
   /** What was read last. */
   readonly reading: Reading | undefined;
 }
@@ -223,7 +221,9 @@ export function makeMeasuring(settings: Settings, scenery: Scenery): Measuring {
       row(measure.normal, normal.toArray().map((x) => figures(x, 2)).join("; ")),
     ];
     if (error !== undefined) rows.push(row(measure.error, length(error, unit, 2)));
-    if (level !== undefined) rows.push(row(measure.update, update === undefined ? measure.finest : `${count(update)}, ${measure.level(count(level))}`));
+    if (level !== undefined) {
+      rows.push(row(measure.update, update === undefined ? measure.finest : `${count(update)}, ${measure.level(count(level))}`));
+    }
     readout.replaceChildren(...rows);
   }
 
@@ -233,7 +233,6 @@ export function makeMeasuring(settings: Settings, scenery: Scenery): Measuring {
       if (marks.length > 0) clear();
     },
     lines,
-    setPoint: () => mark(scenery.middle()),
     get reading() { return reading; },
     update(moved) {
       if (moved || !looked) drawLines();

@@ -20,7 +20,6 @@ export const en = {
   loading: {
     start: "Loading …",
     fetching: (name: string, done: string) => `Loading ${name} … ${done}`,
-    refining: "Refining …",
     building: (name: string, done: string) => `Building ${name} … ${done}`,
     /** By the program's own names. */
     phases: {
@@ -67,7 +66,6 @@ export const en = {
     rate: "Frame rate",
     perSecond: (n: string) => `${n} per second`,
     still: "at rest",
-    history: "Charts show the last 120 answers of the engine.",
     copy: "Copy as JSON",
     copied: "Copied.",
     notCopied: "The browser did not let the page copy. Here it is, to be copied by hand:",
@@ -132,7 +130,6 @@ export const en = {
     asInFile: "as the file says",
     unit: "One unit is",
     units: { none: "not said", mm: "a millimetre", cm: "a centimetre", m: "a metre", km: "a kilometre", in: "an inch", ft: "a foot" },
-    flying: "Flying. Escape ends it.",
     orbiting: "Turning around the model.",
   },
 

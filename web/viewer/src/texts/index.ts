@@ -22,9 +22,6 @@ let listeners: ((texts: Texts) => void)[] = [];
 /** The texts of the present language. */
 export const texts = (): Texts => ALL[language];
 
-/** The present language. */
-export const currentLanguage = (): Language => language;
-
 /** The first of the tags (as browsers name languages) that there are texts for. */
 export function choose(tags: readonly string[]): Language {
   for (const tag of tags) {

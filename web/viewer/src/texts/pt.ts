@@ -16,7 +16,6 @@ export const pt: Texts = {
   loading: {
     start: "A carregar …",
     fetching: (name, done) => `A carregar ${name} … ${done}`,
-    refining: "A refinar …",
     building: (name, done) => `A construir ${name} … ${done}`,
     phases: {
       send: "envio", wait: "à espera de outra construção", read: "leitura", clean: "limpeza", survey: "análise da forma",
@@ -62,7 +61,6 @@ export const pt: Texts = {
     rate: "Imagens",
     perSecond: (n) => `${n} por segundo`,
     still: "em repouso",
-    history: "Os gráficos mostram as últimas 120 respostas do motor.",
     copy: "Copiar como JSON",
     copied: "Copiado.",
     notCopied: "O navegador não deixou a página copiar. Aqui está, para copiar à mão:",
@@ -127,7 +125,6 @@ export const pt: Texts = {
     asInFile: "como diz o ficheiro",
     unit: "Uma unidade é",
     units: { none: "não dita", mm: "um milímetro", cm: "um centímetro", m: "um metro", km: "um quilómetro", in: "uma polegada", ft: "um pé" },
-    flying: "Em voo. Escape termina.",
     orbiting: "À volta do modelo.",
   },
 
