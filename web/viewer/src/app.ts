@@ -216,19 +216,21 @@ export function start(stage: Stage, settings: Settings, address: Address) {
     showTools(false);
     failure.hide();
     loading.begin(wanted?.models.length ?? 1);
+    // Its worker gets ready while the page finds out what to open.
+    const shared = new MeshfrontBudget(limits());
+    budget = shared;
     const found = wanted ?? (await readCard(address.models));
     const sources = await Promise.all(found.models.map(sourceOf));
     if (mine !== turn) return;
     card = found;
     describe();
     loading.begin(found.models.length);
-    budget = new MeshfrontBudget(limits());
     const fail = (error: MeshfrontError) => {
       loading.end();
       const back = wanted && before ? () => void open(before) : undefined;
       failure.show(wordsOf(error), { retry: () => void open(wanted), ...(back ? { close: back } : {}) });
     };
-    for (const [i, model] of found.models.entries()) load(model, i, sources[i]!, budget, fail);
+    for (const [i, model] of found.models.entries()) load(model, i, sources[i]!, shared, fail);
     const infos = await Promise.all(shown.map(({ object }) => object.ready)).catch(() => undefined);
     // A failure is told where it happened.
     if (infos && mine === turn) ready(infos);
@@ -244,7 +246,8 @@ export function start(stage: Stage, settings: Settings, address: Address) {
     object.addEventListener("load-progress", (progress) => loading.progress(i, card.name, progress));
     object.addEventListener("load-error", ({ error }) => fail(error));
     object.addEventListener("needs-update", () => { answered = dirty = true; });
-    object.addEventListener("load-base", ({ base }) => arrive(model, (base as { up?: Point }).up ?? [0, 1, 0]));
+    // Terrains, whose up is another one, have no base mesh.
+    object.addEventListener("load-base", () => arrive(model, [0, 1, 0]));
     object.addEventListener("load", ({ info }) => arrive(model, info.up));
     object.addEventListener("front-settled", settledNow);
     spheres[i] = drawSpheres(object, () => settings.now.spheres, changed);

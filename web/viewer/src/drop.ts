@@ -4,8 +4,8 @@ import { isModel, type ModelCard } from "./card.js";
 import { element, make } from "./dom.js";
 import { label, texts } from "./texts/index.js";
 
-/** Meshes that the local program builds hierarchies from. */
-const MESHES = /\.(ply|obj|stl|off|gltf|glb)(\.gz)?$/i;
+/** Meshes and heights that the local program builds hierarchies from. A PNG may be heights too, but is a picture mostly. */
+const SOURCES = /\.((ply|obj|stl|off|gltf|glb|dem|asc)(\.gz)?|tiff?)$/i;
 
 /** Why a file was not opened. */
 export type Refusal = { name: string; why: "unknown" | "no-build" | "broken" } | { name: string; why: "not-built"; what: string; remedy: string };
@@ -54,7 +54,7 @@ async function take(files: File[], options: DropOptions): Promise<void> {
       models.push({ name, url: name, file });
       continue;
     }
-    if (!MESHES.test(name)) return options.refuse({ name, why: "unknown" });
+    if (!SOURCES.test(name)) return options.refuse({ name, why: "unknown" });
     if (!options.canBuild()) return options.refuse({ name, why: "no-build" });
     const built = await build(file, options.building);
     if ("why" in built) return options.refuse(built);

@@ -177,10 +177,10 @@ export const en = {
 
   drop: {
     here: "Drop a file here to open it",
-    what: "A .front file, or a mesh: PLY, OBJ, STL, OFF or GLB",
+    what: "A .front file, a mesh (PLY, OBJ, STL, OFF, GLB) or heights (GeoTIFF, DEM, ASC)",
     frontOnly: "A .front file",
     unknown: (name: string) => `${name} is no file that this page can open.`,
-    unknownRemedy: "Drop a .front file, or a mesh as PLY, OBJ, STL, OFF or GLB.",
+    unknownRemedy: "Drop a .front file, a mesh as PLY, OBJ, STL, OFF or GLB, or heights as GeoTIFF, DEM or ASC.",
     noBuild: (name: string) => `${name} is a mesh, and this server cannot build hierarchies.`,
     noBuildRemedy: "Run `meshfront view` on your machine and drop it there, or build a .front file with `meshfront build` and drop that.",
     notOpened: "The file was not opened",

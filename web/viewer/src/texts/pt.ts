@@ -172,10 +172,10 @@ export const pt: Texts = {
 
   drop: {
     here: "Largue aqui um ficheiro para o abrir",
-    what: "Um ficheiro .front, ou uma malha: PLY, OBJ, STL, OFF ou GLB",
+    what: "Um ficheiro .front, uma malha (PLY, OBJ, STL, OFF, GLB) ou altitudes (GeoTIFF, DEM, ASC)",
     frontOnly: "Um ficheiro .front",
     unknown: (name) => `${name} não é um ficheiro que esta página saiba abrir.`,
-    unknownRemedy: "Largue um ficheiro .front, ou uma malha em PLY, OBJ, STL, OFF ou GLB.",
+    unknownRemedy: "Largue um ficheiro .front, uma malha em PLY, OBJ, STL, OFF ou GLB, ou altitudes em GeoTIFF, DEM ou ASC.",
     noBuild: (name) => `${name} é uma malha, e este servidor não constrói hierarquias.`,
     noBuildRemedy: "Corra `meshfront view` na sua máquina e largue-a lá, ou construa um ficheiro .front com `meshfront build` e largue esse.",
     notOpened: "O ficheiro não foi aberto",
