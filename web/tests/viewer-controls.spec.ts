@@ -97,7 +97,7 @@ test("colours, with a legend", async ({ page }) => {
     await settled(page);
     await expect(page.locator("#legend")).toHaveText(ends);
     const now = await picture(page);
-    for (const before of seen) expect(differing(now, before), name).toBeGreaterThan(0.3 * covered);
+    for (const before of seen) expect(differing(now, before), name).toBeGreaterThan(0.1 * covered);
     seen.push(now);
     await shot(page, `color-${name.toLowerCase().replaceAll(" ", "-")}`);
   }

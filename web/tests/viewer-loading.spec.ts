@@ -104,6 +104,8 @@ test("a .front file dropped on the page is opened from its bytes", async ({ page
 });
 
 test("a mesh dropped on the page is built by the local program", async ({ page }) => {
+  // From the beginning, or a real dialog may open before anybody waits for it.
+  page.on("filechooser", () => {});
   await open(page, "", server);
   await drop(page, { name: "stone.ply", content: readFileSync(small.replace(/front$/, "ply")) });
   await expect(page.locator("#loading-text")).toContainText("Building stone.ply");

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 
 use crate::models::{ACKNOWLEDGEMENT, CREDIT};
 use crate::step::{cargo, command, is_fresh, root, run, say, target_dir};
@@ -52,20 +52,23 @@ pub fn demo(end: End) -> Result<()> {
 
 /// `target/release/meshfront`, with the page of now inside.
 pub fn release_binary() -> Result<PathBuf> {
-    binary(&["--release"], "release")
-}
-
-/// `target/debug/meshfront`, which the tests have built, with the page of now inside.
-pub fn debug_binary() -> Result<PathBuf> {
-    binary(&[], "debug")
-}
-
-fn binary(profile: &[&str], folder: &str) -> Result<PathBuf> {
-    say(&format!("{folder} binary"));
+    say("release binary");
     let mut build = cargo();
-    build.args(["build", "--quiet", "--locked", "--package", "meshfront-cli"]).args(profile);
+    build.args(["build", "--quiet", "--locked", "--release", "--package", "meshfront-cli"]);
     run(&mut build, "the compiler says why above")?;
-    Ok(target_dir().join(folder).join("meshfront").with_extension(std::env::consts::EXE_EXTENSION))
+    Ok(binary("release"))
+}
+
+/// `target/debug/meshfront`, which `cargo test` builds for the tests of the command line. Built alone it would be built
+/// with other features of what it depends on, and take minutes.
+pub fn tested_binary() -> Result<PathBuf> {
+    let binary = binary("debug");
+    ensure!(binary.exists(), "{} is missing: `cargo test --package meshfront-cli` builds it", binary.display());
+    Ok(binary)
+}
+
+fn binary(profile: &str) -> PathBuf {
+    target_dir().join(profile).join("meshfront").with_extension(std::env::consts::EXE_EXTENSION)
 }
 
 /// The dragon's hierarchy; made again when the binary is newer.

@@ -94,7 +94,7 @@ pub fn test(all: bool) -> Result<()> {
     });
     // The binary of the tests: a release of it takes minutes to build, and shows the same page.
     steps.run_after(page, "page in a browser", || {
-        page_in_a_browser(&if all { demo::release_binary()? } else { demo::debug_binary()? }, all)
+        page_in_a_browser(&if all { demo::release_binary()? } else { demo::tested_binary()? }, all)
     });
     steps.run("cargo deny", || deny(all));
     if all {
