@@ -91,6 +91,12 @@ export async function openSection(page: Page, id: string): Promise<void> {
 /** Goes there as somebody does who has no mouse. */
 export async function tabTo(page: Page, selector: string, most = 40): Promise<void> {
   const isThere = () => page.locator(selector).evaluate((element) => element === document.activeElement);
-  for (let i = 0; i < most && !(await isThere()); i++) await page.keyboard.press("Tab");
+  const where = () => page.evaluate(() => [...document.querySelectorAll("*")].indexOf(document.activeElement!));
+  for (let i = 0; i < most && !(await isThere()); i++) {
+    const before = await where();
+    await page.keyboard.press("Tab");
+    // A page that is busy moves the focus later.
+    await expect.poll(where).not.toBe(before);
+  }
   await expect(page.locator(selector)).toBeFocused();
 }
