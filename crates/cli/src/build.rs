@@ -45,6 +45,15 @@ pub fn run(args: &Build, quiet: bool) -> Result<()> {
     Ok(())
 }
 
+/// Builds a file that nobody else knows of, as `meshfront build` does without options.
+pub fn build_plainly(source: &Path, front: &Path, phases: &Phases) -> Result<()> {
+    let built = build(source, &Recipe::PLAIN, phases)?;
+    phases.start("write");
+    interrupt::uninterrupted(|| format::write(front, &built.stored, &format::WriteOptions::default()))?;
+    phases.finish();
+    Ok(())
+}
+
 /// Reads a source and builds what is stored of its hierarchy.
 pub fn build(source: &Path, recipe: &Recipe, phases: &Phases) -> Result<Built> {
     let name = source.display();

@@ -18,7 +18,6 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use http_body_util::BodyExt;
 use http_body_util::channel::{Channel, Sender};
-use meshfront::format;
 use serde::Deserialize;
 use serde_json::json;
 use tempfile::TempDir;
@@ -26,7 +25,6 @@ use tokio::io::AsyncWriteExt;
 use tokio::sync::mpsc;
 use tower_http::services::ServeFile;
 
-use crate::args::Recipe;
 use crate::progress::Phases;
 use crate::{build, interrupt};
 
@@ -175,11 +173,7 @@ async fn store_and_build(
             let fraction = fraction.map(|part| (part * 1000.0).round() / 1000.0);
             let _ = tell.send(json!({ "phase": phase, "fraction": fraction }));
         });
-        let built = build::build(&source, &Recipe::PLAIN, &phases)?;
-        phases.start("write");
-        interrupt::uninterrupted(|| format::write(&target, &built.stored, &format::WriteOptions::default()))?;
-        phases.finish();
-        Ok(())
+        build::build_plainly(&source, &target, &phases)
     });
     // Where the file lies for the moment is of no interest.
     built.await?.map_err(|error| anyhow::anyhow!(format!("{error:#}").replace(&hidden, "")))?;

@@ -18,7 +18,7 @@ use rust_embed::RustEmbed;
 use serde_json::json;
 use tower_http::services::ServeFile;
 
-use crate::args::{Place, Recipe, View};
+use crate::args::{Place, View};
 use crate::dropped::{self, Temporary};
 use crate::progress::Phases;
 use crate::{build, input, interrupt, output, text};
@@ -96,10 +96,7 @@ fn file_name(file: &Path) -> String {
 /// Builds a hierarchy that is kept only while it is looked at.
 fn build_in(folder: &Path, i: usize, source: &Path, quiet: bool) -> Result<PathBuf> {
     let front = folder.join(url(i));
-    let phases = Phases::new(quiet);
-    let built = build::build(source, &Recipe::PLAIN, &phases)?;
-    interrupt::uninterrupted(|| format::write(&front, &built.stored, &format::WriteOptions::default()))?;
-    phases.finish();
+    build::build_plainly(source, &front, &Phases::new(quiet))?;
     if !quiet {
         let path = source.display();
         eprintln!(

@@ -266,10 +266,7 @@ impl TriangleModel for EdgeCollapse {
         self.source
     }
     fn next_at(&self, mesh: &FrontMesh, triangle: u32) -> Option<UpdateId> {
-        let corners = mesh.buffers.triangles[triangle as usize];
-        if corners[0] == corners[1] {
-            return None;
-        }
+        let corners = mesh.buffers.live_triangle(triangle)?;
         let vertices = self.base.positions.len() + 2 * self.splits.len();
         let splits = corners.into_iter().filter_map(|slot| {
             self.next.of(mesh.id(slot).ix(), vertices, |say| {

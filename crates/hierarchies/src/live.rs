@@ -102,6 +102,11 @@ impl TriangleBuffers {
     pub(crate) fn most(&self) -> Most {
         self.most
     }
+    /// The corners of the triangle in a slot; `None` where the slot is free, or there is none.
+    #[inline]
+    pub fn live_triangle(&self, slot: u32) -> Option<[u32; 3]> {
+        self.triangles.get(slot as usize).copied().filter(|t| t[0] != t[1])
+    }
     /// Number of live triangles.
     pub fn live_triangles(&self) -> usize {
         self.triangles.len() - self.free_triangles.len()

@@ -417,13 +417,13 @@ impl TriangleModel for RightTriangles {
     }
     /// The one in the middle of the hypotenuse.
     fn next_at(&self, mesh: &FrontMesh, triangle: u32) -> Option<UpdateId> {
-        let [a, b, _] = mesh.buffers.triangles[triangle as usize];
+        let [a, b, _] = mesh.buffers.live_triangle(triangle)?;
         let columns = self.lattice.columns as u32;
         let [a, b] =
             [a, b].map(|slot| mesh.samples()[slot as usize]).map(|sample| [sample % columns, sample / columns]);
         let [x, y] = [a[0] + b[0], a[1] + b[1]];
         let middle = if x % 2 == 0 && y % 2 == 0 { self.lattice.id(x as i32 / 2, y as i32 / 2) } else { None };
-        middle.filter(|&id| a != b && self.is_update(id)).map(UpdateId)
+        middle.filter(|&id| self.is_update(id)).map(UpdateId)
     }
     fn has_colors(&self) -> bool {
         false

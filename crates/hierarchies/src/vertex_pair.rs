@@ -328,10 +328,7 @@ impl TriangleModel for VertexPair {
         self.source
     }
     fn next_at(&self, mesh: &FrontMesh, triangle: u32) -> Option<UpdateId> {
-        let corners = mesh.buffers.triangles[triangle as usize];
-        if corners[0] == corners[1] {
-            return None;
-        }
+        let corners = mesh.buffers.live_triangle(triangle)?;
         let splits = corners.into_iter().filter_map(|slot| self.splitter(mesh.key(slot)));
         splits.max_by(|&a, &b| self.error(a).total_cmp(&self.error(b)).then(b.cmp(&a)))
     }

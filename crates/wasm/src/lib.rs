@@ -209,25 +209,22 @@ impl Session {
         while let Some(mut cap) = self.cap {
             let (triangles, bytes) = self.held();
             if bytes <= cap.bytes() {
-                let looked = self.models.iter_mut().flatten().filter(|model| !model.looks.is_empty());
-                let bound = looked.filter(|model| model.byte_bound && model.outcome.settled);
-                let mut bound = bound.peekable();
-                if bound.peek().is_some() && cap.raise(triangles, bytes) {
-                    bound.for_each(|model| model.outcome.settled = false);
+                let is_bound = |model: &Model| model.byte_bound && model.outcome.settled;
+                if self.looked().any(|model| is_bound(model)) && cap.raise(triangles, bytes) {
+                    self.looked().filter(|model| is_bound(model)).for_each(|model| model.outcome.settled = false);
                 }
                 self.cap = Some(cap);
                 break;
             }
             cap.lower(triangles, bytes);
             self.cap = Some(cap);
-            let mut looked: Vec<_> = self.models.iter_mut().flatten().filter(|model| !model.looks.is_empty()).collect();
-            if looked.iter().all(|model| model.front.applied_count() == 0) {
+            if self.looked().all(|model| model.front.applied_count() == 0) {
                 break;
             }
-            looked.iter_mut().for_each(|model| model.start_again());
+            self.looked().for_each(Model::start_again);
             self.run(max_triangles, None);
         }
-        for model in self.models.iter_mut().flatten().filter(|model| !model.looks.is_empty()) {
+        for model in self.looked() {
             model.seen = std::mem::take(&mut model.looks);
         }
         self.engine_ms = now() - start;
@@ -341,6 +338,11 @@ impl Session {
             shade_is_new: false,
         }));
         self.models.len() - 1
+    }
+
+    /// The models that `look` was called for.
+    fn looked(&mut self) -> impl Iterator<Item = &mut Model> {
+        self.models.iter_mut().flatten().filter(|model| !model.looks.is_empty())
     }
 
     /// Adapts all models that are looked at, and keeps the looks.

@@ -27,9 +27,7 @@ pub fn column(front: &dyn AnySurface, by: Shade) -> Vec<f32> {
     let buffers = front.buffers();
     let mut column = vec![least; buffers.positions.len()];
     for (slot, t) in buffers.triangles.iter().enumerate() {
-        if t[0] == t[1] {
-            continue;
-        }
+        // A free slot has none either.
         let Some(next) = front.next_at(slot as u32) else { continue };
         let footprint = front.footprint(next);
         let value = match by {
@@ -67,7 +65,7 @@ pub struct Inspection {
 /// `None` where there is no such triangle.
 pub fn inspect(front: &dyn AnySurface, triangle: u32) -> Option<Inspection> {
     let buffers = front.buffers();
-    let corners = buffers.triangles.get(triangle as usize).filter(|t| t[0] != t[1])?;
+    let corners = buffers.live_triangle(triangle)?;
     let level = corners.iter().map(|&v| buffers.levels[v as usize]).max().unwrap_or_default();
     let next = front.next_at(triangle);
     Some(match next.map(|m| front.footprint(m)) {

@@ -14,7 +14,6 @@ const AMPLE_PAGES = (512 << 20) / PAGE_BYTES;
 export async function startEngine(module?: BufferSource): Promise<Engine> {
   const { memory } = await init({ module_or_path: module ?? new URL("../wasm/meshfront_wasm_bg.wasm", import.meta.url) });
   const session = new Session();
-  const shades = new Map<number, Shade | undefined>();
   return {
     baseOf(start) {
       const base = baseOf(start);
@@ -37,12 +36,11 @@ export async function startEngine(module?: BufferSource): Promise<Engine> {
       for (const { model, views: each, shade } of views) {
         for (const view of each) look(session, model, view);
         session.shade(model, shade && SHADES[shade]);
-        shades.set(model, shade);
       }
       const deadlineUs = Math.round(Math.min(1000 * deadlineMs, NO_LIMIT));
       return guarded(memory, "the front", () => {
         session.adapt(Math.min(maxTriangles, NO_LIMIT), maxBytes, deadlineUs);
-        return views.map(({ model }) => frameOf(session, model, shades.get(model)));
+        return views.map(({ model, shade }) => frameOf(session, model, shade));
       });
     },
     inspect(model, frame, triangle) {
@@ -56,10 +54,7 @@ export async function startEngine(module?: BufferSource): Promise<Engine> {
     spheres: (model, most) => session.spheres(model, most),
     memory: () => memory.buffer.byteLength,
     flyBy: (model) => flyBy(session, model),
-    close(model) {
-      session.close(model);
-      shades.delete(model);
-    },
+    close: (model) => session.close(model),
   };
 }
 

@@ -1,7 +1,7 @@
 import { MeshfrontError } from "./errors.js";
 
-/** Bytes so far, and of the whole where the server says so. `start` has the first of them, until there are many. */
-export type Arrival = (loaded: number, total: number | undefined, start: Uint8Array | undefined) => void;
+/** Bytes so far, and of the whole where the server says so. `start` puts the first of them together, until there are many. */
+export type Arrival = (loaded: number, total: number | undefined, start: () => Uint8Array | undefined) => void;
 
 /** Base meshes lie within so many bytes of most files. */
 const START = 1 << 20;
@@ -28,13 +28,14 @@ export async function fetchBytes(url: string, onArrival: Arrival, fetcher: typeo
   const total = announced === null ? undefined : Number(announced);
   const chunks: Uint8Array[] = [];
   let loaded = 0;
-  onArrival(0, total, undefined);
+  const start = () => (loaded > 0 && loaded <= START ? joined(chunks, loaded) : undefined);
+  onArrival(0, total, start);
   try {
     const reader = response.body?.getReader();
     for (let part = await reader?.read(); part?.value; part = await reader?.read()) {
       chunks.push(part.value);
       loaded += part.value.length;
-      onArrival(loaded, total, loaded <= START ? joined(chunks, loaded) : undefined);
+      onArrival(loaded, total, start);
     }
   } catch (cause) {
     throw new MeshfrontError("network", `${url} broke off after ${loaded} bytes`, { cause });

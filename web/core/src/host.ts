@@ -34,9 +34,9 @@ export function serve(port: Port<Reply, Request>, start: () => Promise<Engine>, 
     starting.then((engine) => { started = engine; }, () => {});
     let based = false;
     let [loaded, total]: [number, number | undefined] = [0, undefined];
-    const showBase = (start: Uint8Array | undefined) => {
-      if (based || !start) return;
-      const base = started?.baseOf(start);
+    const showBase = (start: () => Uint8Array | undefined) => {
+      const bytes = based || !started ? undefined : start();
+      const base = bytes && started!.baseOf(bytes);
       if (!base) return;
       based = true;
       tell({ type: "base", base });
@@ -48,7 +48,7 @@ export function serve(port: Port<Reply, Request>, start: () => Promise<Engine>, 
     }, fetcher);
     const ready = await starting;
     started = ready;
-    showBase(bytes);
+    showBase(() => bytes);
     [loaded, total] = [bytes.length, bytes.length];
     const told = (part: number) => tell({ type: "progress", progress: { loaded, total, fraction: part } });
     told(FETCHING);

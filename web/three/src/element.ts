@@ -11,11 +11,12 @@
 
 import { MeshfrontError } from "@meshfront/core";
 import {
-  DirectionalLight, HemisphereLight, type Intersection, MathUtils, PerspectiveCamera, Raycaster, Scene, type Sphere, Spherical,
+  type Intersection, MathUtils, PerspectiveCamera, Raycaster, Scene, type Sphere, Spherical,
   Vector2, Vector3,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { type BudgetOptions, MeshfrontBudget } from "./budget.js";
+import { addLights } from "./lights.js";
 import { MeshfrontObject } from "./object.js";
 import { type Actor, enter, leave, wake } from "./stage.js";
 
@@ -157,7 +158,7 @@ export class MeshFrontElement extends Base {
       wake();
     });
     this.canvas.addEventListener("keydown", (event) => this.pressed(event));
-    this.light();
+    addLights(this.scene, this.camera);
     const element = this;
     this.actor = {
       scene: this.scene,
@@ -612,20 +613,6 @@ export class MeshFrontElement extends Base {
       farthest = Math.max(farthest, Math.hypot(array[at]! - middle.x, array[at + 1]! - middle.y, array[at + 2]! - middle.z));
     }
     return farthest > 0 ? Math.min(farthest, radius) : radius;
-  }
-
-  /** The sky gives shape to what the key light does not reach; the others travel with the camera, so that relief always shows. */
-  private light(): void {
-    const { camera, scene } = this;
-    scene.add(camera, new HemisphereLight(0xe4ecf5, 0x3a322c, 0.85));
-    const key = new DirectionalLight(0xfff1e0, 2.5);
-    key.position.set(-0.8, 1, 0.6);
-    const fill = new DirectionalLight(0xcfe0ff, 0.5);
-    fill.position.set(1, -0.2, 0.4);
-    for (const light of [key, fill]) {
-      light.target.position.set(0, 0, -1);
-      camera.add(light, light.target);
-    }
   }
 
   private setProgress(fraction: number | undefined): void {

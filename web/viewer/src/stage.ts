@@ -1,8 +1,7 @@
-/** The picture: renderer, scene, lights and camera. */
+/** The picture: renderer, scene and camera. */
 
-import {
-  Color, DirectionalLight, HemisphereLight, PerspectiveCamera, Scene, type Sphere, WebGLRenderer,
-} from "three";
+import { addLights } from "@meshfront/three";
+import { Color, PerspectiveCamera, Scene, type Sphere, WebGLRenderer } from "three";
 
 /** How much of the picture's sides is covered, CSS pixels. */
 export interface Covered {
@@ -43,17 +42,7 @@ export function makeStage(canvas: HTMLCanvasElement): Stage {
   renderer.autoClear = false;
   const scene = new Scene();
   const camera = new PerspectiveCamera(FOV, 1, 0.01, 100);
-  scene.add(camera);
-
-  // The sky gives shape to what the key light does not reach; the key travels with the camera, so that relief always
-  // shows, and a weak light from the other side keeps its shadows open.
-  scene.add(new HemisphereLight(0xe4ecf5, 0x3a322c, 0.85));
-  const key = new DirectionalLight(0xfff1e0, 2.5);
-  key.position.set(-0.8, 1.0, 0.6);
-  const fill = new DirectionalLight(0xcfe0ff, 0.5);
-  fill.position.set(1, -0.2, 0.4);
-  for (const light of [key, fill]) camera.add(light, light.target);
-  for (const light of [key, fill]) light.target.position.set(0, 0, -1);
+  addLights(scene, camera);
 
   let covered: Covered = { top: 0, right: 0, bottom: 0 };
 

@@ -54,10 +54,7 @@ impl FrontMesh {
     /// The number of the cell in a triangle slot; `None` for a free one. A cell was made with the last of its vertices; in the base
     /// mesh this looks at all triangles.
     pub(super) fn cell(&self, h: &VertexRemoval, triangle: u32) -> Option<u32> {
-        let corners = self.buffers.triangles[triangle as usize];
-        if corners[0] == corners[1] {
-            return None;
-        }
+        let corners = self.buffers.live_triangle(triangle)?;
         let last = corners.into_iter().map(|slot| self.ids[slot as usize].ix()).max()?;
         let mut cells = match last.checked_sub(h.base.positions.len()) {
             None => 0..h.base.triangles.len() as u32,
