@@ -1,7 +1,7 @@
 //! Errors, spheres and cones of all updates from the heights alone, fine to coarse.
 
 use super::base::{Base, Missing};
-use super::lattice::{Lattice, Site, Spot};
+use super::lattice::{APEXES, Lattice, NOWHERE, Site, Spot};
 use super::record::{self, Record};
 use super::{Columns, Corner, InvalidHeights, RightTriangles};
 use crate::model::Progress;
@@ -73,8 +73,10 @@ impl Field<'_> {
 
     /// The greatest vertical distance of the samples in a triangle of M⁻ from it. The surface between samples is no
     /// farther: finer triangles lie inside of coarser ones, and both are flat.
-    fn error(&self, site: &Site, [dx, dy]: [i32; 2]) -> f32 {
+    #[inline(always)]
+    fn error(&self, site: &Site, way: [i32; 2]) -> f32 {
         let &Site { x, y, h, diagonal } = site;
+        let [dx, dy] = way.map(|step| step * h);
         if h == 1 {
             // The middles of the legs of a diagonal one are for the updates there, whose errors are handed up.
             return (self.at(x, y) - 0.5 * (self.at(x - dy, y + dx) + self.at(x + dy, y - dx))).abs();
@@ -87,8 +89,8 @@ impl Field<'_> {
             let mut worst = 0f32;
             for t in 0..2 * h {
                 let (count, start) = (2 * h - t + 1, corner + slope_y * t as f32);
-                let row = cy - dy.signum() * t;
-                let error = if dx > 0 {
+                let row = cy - way[1] * t;
+                let error = if way[0] > 0 {
                     self.row(row, cx - (count - 1), count, start + slope_x * (count - 1) as f32, -slope_x)
                 } else {
                     self.row(row, cx, count, start, slope_x)
@@ -96,13 +98,13 @@ impl Field<'_> {
                 worst = greater(worst, error);
             }
             worst
-        } else if dx == 0 {
+        } else if way[0] == 0 {
             let (a, b, apex) = (self.at(x - h, y), self.at(x + h, y), self.at(x, y + dy));
             let (middle, slope) = (0.5 * (a + b), (b - a) / (2 * h) as f32);
             let up = (apex - middle) / h as f32;
             let row = |t: i32| {
                 let start = middle + up * t as f32 - slope * (h - t) as f32;
-                self.row(y + dy.signum() * t, x - (h - t), 2 * (h - t) + 1, start, slope)
+                self.row(y + way[1] * t, x - (h - t), 2 * (h - t) + 1, start, slope)
             };
             (0..h).map(row).fold(0.0, greater)
         } else {
@@ -111,7 +113,7 @@ impl Field<'_> {
             let across = (apex - middle) / h as f32;
             let row = |t: i32| {
                 let (count, start) = (h - t.abs() + 1, middle + slope * t as f32);
-                if dx > 0 {
+                if way[0] > 0 {
                     self.row(y + t, x, count, start, across)
                 } else {
                     self.row(y + t, x - (count - 1), count, start + across * (count - 1) as f32, -across)
@@ -122,11 +124,10 @@ impl Field<'_> {
     }
 
     /// Normals of the finest triangles around a sample, of any length, on the sides that are there.
-    #[inline]
-    fn finest_normals(&self, site: &Site, sides: [bool; 2], mut visit: impl FnMut(Vec3)) {
-        let &Site { x, y, .. } = site;
+    #[inline(always)]
+    fn finest_normals(&self, [x, y]: [i32; 2], ways: [[i32; 2]; 2], sides: [bool; 2], mut visit: impl FnMut(Vec3)) {
         let here = self.at(x, y);
-        for ([dx, dy], there) in site.apexes().into_iter().zip(sides) {
+        for ([dx, dy], there) in ways.into_iter().zip(sides) {
             if !there {
                 continue;
             }
@@ -180,8 +181,12 @@ pub(super) fn derive(columns: Columns, progress: Progress) -> Result<RightTriang
     }
     // Where the field fills its square, what is there is a matter of borders.
     let regular = !missing.any() && lattice.columns == lattice.side + 1 && lattice.rows == lattice.side + 1;
-    let sides = |site: &Site| {
+    let sides = |spot: &Spot| {
+        let site = &spot.site();
         if regular {
+            if spot.is_inner() {
+                return [true; 2];
+            }
             site.apexes().map(|[dx, dy]| lattice.contains(site.x + dx, site.y + dy))
         } else if base.cut.contains(&[site.x, site.y]) {
             [false; 2]
@@ -197,10 +202,16 @@ pub(super) fn derive(columns: Columns, progress: Progress) -> Result<RightTriang
         let (coarser, finer) = records.split_at_mut(level.end);
         let end = level.end as u32;
         for_chunks(&mut coarser[level.start..], CHUNK, |chunk, records| {
-            for (i, record) in records.iter_mut().enumerate() {
-                let spot = lattice.spot((level.start + chunk * CHUNK + i) as u32);
-                let below = |id| &finer[(id - end) as usize];
-                *record = measure(&field, &lattice, &spot, sides(&spot.site()), below);
+            let first = (level.start + chunk * CHUNK) as u32;
+            let below = |id| &finer[(id - end) as usize];
+            for (spot, record) in lattice.spots(first..first + records.len() as u32).zip(records) {
+                let sides = sides(&spot);
+                *record = match spot.turn() {
+                    0 => measure::<0>(&field, &lattice, &spot, sides, below),
+                    1 => measure::<1>(&field, &lattice, &spot, sides, below),
+                    2 => measure::<2>(&field, &lattice, &spot, sides, below),
+                    _ => measure::<3>(&field, &lattice, &spot, sides, below),
+                };
             }
         });
     }
@@ -237,15 +248,16 @@ pub(super) fn derive(columns: Columns, progress: Progress) -> Result<RightTriang
     })
 }
 
-/// Everything about one update but its neighbours' needs: its own triangles, and what finer ones hand up.
-fn measure<'a>(
+/// Everything about one update but its neighbours' needs: its own triangles, and what finer ones hand up. Of a turn, so that
+/// steps are known when it is compiled.
+fn measure<'a, const TURN: usize>(
     field: &Field,
     lattice: &Lattice,
     spot: &Spot,
     sides: [bool; 2],
     finer: impl Fn(u32) -> &'a Record,
 ) -> Record {
-    let site = &spot.site();
+    let site = &Site { diagonal: TURN < 2, ..spot.site() };
     let &Site { x, y, h, .. } = site;
     let height = field.at(x, y);
     if height.is_nan() {
@@ -261,20 +273,27 @@ fn measure<'a>(
         (Vec2::new(dx as f32, dy as f32) * field.spacing).extend(there - height).length_squared()
     };
     let (mut error, mut reach) = (0f32, 0f32);
-    for ([dx, dy], _) in site.apexes().into_iter().zip(sides).filter(|(_, there)| *there) {
-        error = greater(error, field.error(site, [dx, dy]));
+    for (way, there) in APEXES[TURN].into_iter().zip(sides) {
+        if !there {
+            continue;
+        }
+        let [dx, dy] = way.map(|step| step * h);
+        error = greater(error, field.error(site, way));
         for [dx, dy] in [[dx, dy], [dy, -dx], [-dy, dx]] {
             reach = greater(reach, squared(dx, dy, field.at(x + dx, y + dy)));
         }
     }
     let mut spread = Spread { axis, least: 1.0 };
     if h == 1 && !site.diagonal {
-        field.finest_normals(site, sides, |normal| spread.add(normal));
+        field.finest_normals([x, y], APEXES[TURN], sides, |normal| spread.add(normal));
         return record.measured(error, reach.sqrt(), spread.angle());
     }
     let (mut child_reach, mut child_radius, mut child_angle) = (0f32, 0f32, 0f32);
     for ([dx, dy], id) in site.middles_doubled().into_iter().zip(lattice.middles(spot)) {
-        let Some(child) = id.map(&finer) else { continue };
+        if id == NOWHERE {
+            continue;
+        }
+        let child = finer(id);
         let (dx, dy) = (dx / 2, dy / 2);
         if child.is_update() {
             error = greater(error, child.error());
