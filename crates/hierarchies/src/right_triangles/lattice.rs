@@ -151,6 +151,11 @@ pub struct Spot {
 }
 
 impl Spot {
+    /// Half the hypotenuse's extent along an axis, in samples.
+    #[inline]
+    pub(super) fn h(&self) -> i32 {
+        self.h
+    }
     /// Whether all of its neighbours are there: that is so away from borders, and where a level has more than four columns and rows.
     #[inline]
     pub(super) fn is_inner(&self) -> bool {
