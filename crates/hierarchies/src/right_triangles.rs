@@ -347,17 +347,17 @@ impl MultiTessellation for RightTriangles {
         mesh: &mut FrontMesh,
         m: UpdateId,
         applied: impl Fn(UpdateId) -> bool,
-        mut changed: impl FnMut(Around),
+        mut around: impl FnMut(Around),
     ) {
         let spot = self.lattice.spot(m.0);
         let apexes = self.lattice.apexes(&spot);
         mesh.refine(self, m, &spot, apexes);
-        apexes.into_iter().filter_map(|id| self.update(id)).for_each(|m| changed(Around::Needed(m)));
+        apexes.into_iter().filter_map(|id| self.update(id)).for_each(|m| around(Around::Closed(m)));
         // The middle of a new hypotenuse; what it needs besides m is as far beyond it as m is before it.
         for (middle, beyond) in self.lattice.middles(&spot).into_iter().zip(self.lattice.beyond_middles(&spot)) {
             let Some(middle) = self.update(middle) else { continue };
             if self.update(beyond).is_none_or(&applied) {
-                changed(Around::Ready(middle));
+                around(Around::Opened(middle));
             }
         }
     }

@@ -199,17 +199,17 @@ pub(super) fn derive(columns: Columns, progress: Progress) -> Result<RightTriang
             let below = |id| &finer[(id - end) as usize];
             for (spot, record) in lattice.spots(first..first + records.len() as u32).zip(records) {
                 let sides = sides(&spot);
-                let measure = |spot: &Spot| match (spot.turn(), spot.h()) {
-                    (0, 1) => measure::<0, 1>(&field, &lattice, spot, sides, below),
-                    (1, 1) => measure::<1, 1>(&field, &lattice, spot, sides, below),
-                    (2, 1) => measure::<2, 1>(&field, &lattice, spot, sides, below),
-                    (3, 1) => measure::<3, 1>(&field, &lattice, spot, sides, below),
-                    (0, _) => measure::<0, 0>(&field, &lattice, spot, sides, below),
-                    (1, _) => measure::<1, 0>(&field, &lattice, spot, sides, below),
-                    (2, _) => measure::<2, 0>(&field, &lattice, spot, sides, below),
-                    _ => measure::<3, 0>(&field, &lattice, spot, sides, below),
+                let (field, lattice, spot) = (&field, &lattice, &spot);
+                *record = match (spot.turn(), spot.h()) {
+                    (0, 1) => measure::<0, 1>(field, lattice, spot, sides, below),
+                    (1, 1) => measure::<1, 1>(field, lattice, spot, sides, below),
+                    (2, 1) => measure::<2, 1>(field, lattice, spot, sides, below),
+                    (3, 1) => measure::<3, 1>(field, lattice, spot, sides, below),
+                    (0, _) => measure::<0, 0>(field, lattice, spot, sides, below),
+                    (1, _) => measure::<1, 0>(field, lattice, spot, sides, below),
+                    (2, _) => measure::<2, 0>(field, lattice, spot, sides, below),
+                    _ => measure::<3, 0>(field, lattice, spot, sides, below),
                 };
-                *record = measure(&spot);
             }
         });
     }
