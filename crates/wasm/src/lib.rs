@@ -46,7 +46,8 @@ fn clock_us() -> u64 {
     (now() * 1000.0) as u64
 }
 
-/// Opened files with one front each, that share a budget and a deadline.
+/// Opened files with one front each, that share a budget and a deadline. Sessions know nothing of each other but the hierarchies that
+/// their fronts may share: the limits of one are none of the other.
 #[wasm_bindgen]
 #[derive(Default)]
 pub struct Session {
@@ -57,6 +58,10 @@ pub struct Session {
     /// Time in the engine of the last call, milliseconds.
     engine_ms: f64,
 }
+
+/// A front that belongs to no session yet.
+#[wasm_bindgen]
+pub struct LooseFront(Box<dyn AnySurface>);
 
 struct Model {
     front: Box<dyn AnySurface>,
@@ -109,13 +114,17 @@ impl Session {
         Ok(self.add(hierarchy.into_front()))
     }
 
-    /// Another front of an open model, at the base mesh; gives its number. Both share the hierarchy.
+    /// Another front of an open model, at the base mesh, for `join` of this session or of another. They share the hierarchy.
     ///
     /// # Errors
     /// A `RangeError` where no such model is open.
-    pub fn duplicate(&mut self, model: usize) -> Result<usize, js_sys::RangeError> {
-        let another = self.get(model)?.front.another();
-        Ok(self.add(another))
+    pub fn another(&self, model: usize) -> Result<LooseFront, js_sys::RangeError> {
+        Ok(LooseFront(self.get(model)?.front.another()))
+    }
+
+    /// Takes a front in; gives its number.
+    pub fn join(&mut self, front: LooseFront) -> usize {
+        self.add(front.0)
     }
 
     /// Forgets a model. Its number is not given again.

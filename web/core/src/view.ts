@@ -30,14 +30,14 @@ export interface View {
   region?: Region;
 }
 
-/** What all models of a client have together. */
+/** What all models of a client have together; those of other clients of the same worker do not count. */
 export interface Limits {
   /** The most triangles that their fronts may hold; `Infinity` for no limit. */
   maxTriangles: number;
   /**
    * The most bytes that their fronts may take: in the engine (`FrameStats.frontBytes`) and in buffers as long as
    * `FrameUpdate` says, once in the page's memory and once on the graphics card. No update goes beyond it, unless the base meshes
-   * do. `Infinity` for no limit.
+   * do. Hierarchies do not count. `Infinity` for no limit.
    */
   maxBytes: number;
   /** How long one call may take, milliseconds; what is left over goes on in the next call, worst pixels first. */

@@ -149,6 +149,28 @@ export function makeControls(settings: Settings, readings: HTMLElement): Control
     return make("div", { class: "field choice" }, name, make("span", {}, select, own));
   }
 
+  section("comparison", (t) => t.compare.name, false, divider(), originalTriangles());
+
+  function divider(): HTMLElement {
+    const input = make("input", { type: "checkbox", id: "comparing" });
+    input.addEventListener("change", () => settings.set("divider", input.checked ? 0.5 : undefined));
+    settings.follow("divider", (at) => { input.checked = at !== undefined; });
+    return make("label", { class: "switch" }, input, label(make("span"), (t) => t.compare.on));
+  }
+
+  function originalTriangles(): HTMLElement {
+    const input = make("input", { type: "number", id: "original-triangles", min: 1, step: 1, inputmode: "numeric" });
+    const refresh = () => { input.value = String(settings.now.originalTriangles); };
+    input.addEventListener("change", () => {
+      const most = Math.round(input.valueAsNumber);
+      if (most >= 1) settings.set("originalTriangles", most);
+      // What makes no sense is as if it were not said.
+      refresh();
+    });
+    settings.follow("originalTriangles", refresh);
+    return make("div", { class: "field choice" }, label(make("label", { for: "original-triangles" }), (t) => t.compare.most), input);
+  }
+
   const upName = (t: Texts, up: Values["up"]) => (up === "file" ? t.navigation.asInFile : up.replace("-", "−"));
   section("axes", (t) => t.navigation.name, false,
     choice("up", "up", (t) => t.navigation.up, UPS, upName),

@@ -116,11 +116,15 @@ export const en = {
   },
 
   compare: {
+    name: "Comparison",
+    on: "Compare with the original",
+    most: "Triangles of the original, at most",
     handle: "Divider between the front and the original",
     front: "Front",
     original: (triangles: string) => `Original, ${triangles} triangles`,
     limited: (triangles: string, whole: string) => `Original, limited to ${triangles} of ${whole} triangles`,
     loading: "The original is loading …",
+    failed: (why: string) => `The original cannot be shown: ${why}`,
     at: (percent: string) => `Front on the left ${percent}`,
   },
 

@@ -111,11 +111,15 @@ export const pt: Texts = {
   },
 
   compare: {
+    name: "Comparação",
+    on: "Comparar com o original",
+    most: "Triângulos do original, no máximo",
     handle: "Divisória entre a frente e o original",
     front: "Frente",
     original: (triangles) => `Original, ${triangles} triângulos`,
     limited: (triangles, whole) => `Original, limitado a ${triangles} de ${whole} triângulos`,
     loading: "A carregar o original …",
+    failed: (why) => `Não é possível mostrar o original: ${why}`,
     at: (percent) => `Frente nos ${percent} da esquerda`,
   },
 
