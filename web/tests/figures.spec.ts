@@ -7,11 +7,14 @@
  * drawing takes most of both cores, and is not what is to be measured. Uploads go on.
  */
 
+import { execFileSync } from "node:child_process";
 import { copyFileSync, mkdtempSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { test } from "@playwright/test";
+import { test, type Page } from "@playwright/test";
+import type { FlyByReport } from "../core/src/index.js";
+import { binary } from "./files.js";
 import { serveFolder } from "./serve.js";
 
 const file = process.env.MESHFRONT_FIGURES;
@@ -19,7 +22,9 @@ const minutes = Number(process.env.MESHFRONT_MINUTES ?? 1);
 
 /** Milliseconds and so on, as the page has measured them. */
 type Figures = Record<string, number>;
-declare const window: { figures(minutes: number): Promise<Figures> };
+declare const window: { figures(minutes: number): Promise<Figures>; flyBy(): Promise<FlyByReport> };
+/** The flight is compared so often, the browser's worker and the program taking turns. */
+const ROUNDS = 3;
 
 /** Runs in the page. */
 const PAGE = /* js */ `
@@ -129,6 +134,7 @@ async function fly(seconds, sample) {
   return { times, all, sampled };
 }
 
+window.flyBy = () => object.flyBy();
 window.figures = async (minutes) => {
   await object.ready;
   await settled();
@@ -183,9 +189,9 @@ window.figures = async (minutes) => {
 
   if (minutes > 0) {
     const { sampled } = await fly(60 * minutes, async () => {
-      await window.collect();
+      const heap = await window.heap();
       const { engineBytes, bufferBytes } = await object.budget.memory();
-      return { engineBytes, bufferBytes, heap: performance.memory?.usedJSHeapSize ?? 0, geometries: renderer.info.memory.geometries };
+      return { engineBytes, bufferBytes, heap, geometries: renderer.info.memory.geometries };
     });
     const [first, last] = [sampled[Math.min(2, sampled.length - 1)], sampled.at(-1)];
     for (const key of Object.keys(first)) {
@@ -201,7 +207,7 @@ window.figures = async (minutes) => {
 
 test("figures", async ({ page }) => {
   test.skip(file === undefined, "MESHFRONT_FIGURES names no .front file");
-  test.setTimeout((minutes + 4) * 60_000);
+  test.setTimeout((minutes + 8) * 60_000);
   const folder = mkdtempSync(join(tmpdir(), "meshfront-figures-"));
   copyFileSync(file!, join(folder, "model.front"));
   symlinkSync(fileURLToPath(new URL("../node_modules", import.meta.url)), join(folder, "node_modules"), "junction");
@@ -216,14 +222,39 @@ test("figures", async ({ page }) => {
   const server = await serveFolder(folder);
   page.on("pageerror", (error) => console.log(error));
   // What lies in the heap is what is used, not what was.
-  await page.exposeFunction("collect", () => page.requestGC());
+  const devtools = await page.context().newCDPSession(page);
+  await page.exposeFunction("heap", async () => {
+    await devtools.send("HeapProfiler.collectGarbage");
+    return (await devtools.send("Runtime.getHeapUsage")).usedSize;
+  });
   try {
     await page.goto(server.url);
     await page.waitForFunction(() => "figures" in window);
     const figures = await page.evaluate((minutes) => window.figures(minutes), minutes);
+    Object.assign(figures, await ratio(page));
     for (const [name, value] of Object.entries(figures)) console.log(`${name.padEnd(44)} ${Number(value.toPrecision(4)).toLocaleString("en")}`);
   } finally {
     server.stop();
     rmSync(folder, { recursive: true, force: true });
   }
 });
+
+/** The same flight in the worker and in the program, mean milliseconds a frame: medians, and their ratio. */
+async function ratio(page: Page): Promise<Figures> {
+  const [worker, native]: [number[], number[]] = [[], []];
+  for (let round = 0; round < ROUNDS; round++) {
+    worker.push(middle(await Promise.all([0, 1, 2].map(() => page.evaluate(async () => (await window.flyBy()).meanMs)))));
+    native.push(JSON.parse(execFileSync(binary, ["bench", file!, "--json"], { encoding: "utf8" })).fly_by.ms.mean);
+  }
+
+  console.log(`flights, ms per frame: worker ${worker.map((ms) => ms.toFixed(3))}, program ${native.map((ms) => ms.toFixed(3))}`);
+  return {
+    "flight in the worker, ms per frame": middle(worker),
+    "flight in the program, ms per frame": middle(native),
+    "flight, worker / native": middle(worker) / middle(native),
+  };
+}
+
+function middle(all: number[]): number {
+  return [...all].sort((a, b) => a - b)[Math.floor(all.length / 2)]!;
+}
