@@ -46,6 +46,10 @@ export function makeControls(settings: Settings, readings: HTMLElement): Control
       input.setAttribute("aria-valuetext", write(value));
     };
     input.addEventListener("input", () => settings.set(key, of(Number(input.value))));
+    // A finger that scrolls the panel has moved the slider it began on, before the browser takes it for scrolling.
+    let before = settings.now[key];
+    input.addEventListener("pointerdown", () => { before = settings.now[key]; });
+    input.addEventListener("pointercancel", () => settings.set(key, before));
     settings.on(key, refresh);
     worded(refresh);
     return { field: make("div", { class: "field" }, label(make("label", { for: id }), name), output, input), refresh };
