@@ -141,7 +141,7 @@ export interface FrameStats {
   settled: boolean;
   /** A budget of triangles or bytes keeps the front from its tolerance: `errorPx` is what it allows. */
   budgetBound: boolean;
-  /** It is the budget of bytes. */
+  /** It is the budget of bytes, or the end of what the browser gives. */
   byteBound: boolean;
   /** A bound on how wrong the front looks from here, pixels. */
   errorPx: number;

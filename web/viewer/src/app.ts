@@ -227,7 +227,8 @@ export function start(stage: Stage, settings: Settings, address: Address) {
     loading.begin(found.models.length);
     const fail = (error: MeshfrontError) => {
       loading.end();
-      const back = wanted && before ? () => void open(before) : undefined;
+      // What is drawn stays, where the engine stopped in flight.
+      const back = opened ? () => canvas.focus() : wanted && before ? () => void open(before) : undefined;
       failure.show(wordsOf(error), { retry: () => void open(wanted), ...(back ? { close: back } : {}) });
     };
     for (const [i, model] of found.models.entries()) load(model, i, sources[i]!, shared, fail);

@@ -94,6 +94,8 @@ export const en = {
       `The triangle budget is used up: the picture is within ${error} of the original instead of ${asked}.`,
     bytesBite: (error: string, asked: string) =>
       `The memory budget is used up: the picture is within ${error} of the original instead of ${asked}.`,
+    memoryEnds: (error: string, asked: string) =>
+      `The browser gives no more memory: the picture is within ${error} of the original instead of ${asked}.`,
   },
 
   look: {

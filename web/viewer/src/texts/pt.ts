@@ -89,6 +89,8 @@ export const pt: Texts = {
       `O limite de triângulos está esgotado: a imagem fica a ${error} do original, no máximo, em vez de ${asked}.`,
     bytesBite: (error, asked) =>
       `O limite de memória está esgotado: a imagem fica a ${error} do original, no máximo, em vez de ${asked}.`,
+    memoryEnds: (error, asked) =>
+      `O navegador não dá mais memória: a imagem fica a ${error} do original, no máximo, em vez de ${asked}.`,
   },
 
   look: {
