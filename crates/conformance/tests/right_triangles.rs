@@ -70,3 +70,19 @@ fn flat_ground_is_two_triangles() {
     assert!(h.updates().all(|m| h.footprint(m).error == h.floor_error()));
     assert_eq!((h.base_triangles(), h.source().triangles), (2, 2048));
 }
+
+/// A slope has one normal: cones are as narrow as packing allows, in every direction that triangles lie in.
+#[test]
+fn cones_of_a_slope_are_narrow() {
+    let mut slope = field(17, 17, |_, _| false);
+    for (i, height) in slope.heights.iter_mut().enumerate() {
+        *height = 6.0 * (i % 17) as f32 - 3.0 * (i / 17) as f32;
+    }
+    let h = build(&slope, None);
+    for m in h.updates() {
+        let footprint = h.footprint(m);
+        assert!(footprint.error <= 1e-3, "{m:?}: {}", footprint.error);
+        // A level adds a step of the packed angle, and what packing did to the normal.
+        assert!(footprint.cone.cos > 0.1f32.cos(), "{m:?}: {}", footprint.cone.cos.acos());
+    }
+}

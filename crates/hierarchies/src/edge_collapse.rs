@@ -17,6 +17,7 @@
 //! [`Columns`] is what is stored; [`EdgeCollapse::new`] validates it by replaying all splits, and
 //! derives what follows from it: needs, children, bounding spheres, normal cones, vertex normals.
 
+use crate::counts::Needed;
 use crate::footprint::{Frame, PackedFootprint};
 use crate::live::{Most, VertexLook, snorm16};
 use crate::model::{Model, Progress, SourceCounts, Stored, TriangleModel};
@@ -24,7 +25,7 @@ use crate::next::Next;
 use crate::quantize::Places;
 use glam::Vec3;
 use meshfront_mesh::{Bounds, TriangleMesh, VertexId};
-use meshfront_refine::{Footprint, MultiTessellation, UpdateId};
+use meshfront_refine::{Around, Footprint, MultiTessellation, UpdateId};
 
 mod columns;
 mod derive;
@@ -58,8 +59,9 @@ pub struct EdgeCollapse {
     /// One more than there are updates: lists end where the next one's begin.
     nodes: Vec<Node>,
     frame: Frame,
-    needs: Vec<UpdateId>,
-    children: Vec<UpdateId>,
+    /// Per update, ascending: what it needs, and then what needs it.
+    neighbours: Vec<UpdateId>,
+    needed: Needed,
     roots: Vec<UpdateId>,
     floor_error: f32,
     source: SourceCounts,
@@ -92,9 +94,10 @@ struct Split {
 #[derive(Clone, Copy, Debug)]
 struct Node {
     footprint: PackedFootprint,
-    /// Where the lists of this update begin in `needs` and in `children`.
-    needs: u32,
-    children: u32,
+    /// Where the lists of this update begin in `neighbours`.
+    first: u32,
+    /// How many it needs.
+    needs: u8,
 }
 
 impl EdgeCollapse {
@@ -145,13 +148,12 @@ impl EdgeCollapse {
     pub fn error(&self, m: UpdateId) -> f32 {
         self.nodes[m.ix()].footprint.error
     }
-    /// Direct needs of an update, ascending; what follows by transitivity may be left out.
-    pub fn needs_of(&self, m: UpdateId) -> &[UpdateId] {
-        &self.needs[self.nodes[m.ix()].needs as usize..self.nodes[m.ix() + 1].needs as usize]
-    }
-    /// Updates that need an update directly, ascending.
-    pub fn children_of(&self, m: UpdateId) -> &[UpdateId] {
-        &self.children[self.nodes[m.ix()].children as usize..self.nodes[m.ix() + 1].children as usize]
+    /// Direct needs of an update, ascending; what follows by transitivity may be left out. And the updates that need it
+    /// directly, ascending.
+    #[inline]
+    fn neighbours_of(&self, m: UpdateId) -> (&[UpdateId], &[UpdateId]) {
+        let [node, next] = [&self.nodes[m.ix()], &self.nodes[m.ix() + 1]];
+        self.neighbours[node.first as usize..next.first as usize].split_at(node.needs.into())
     }
 
     /// Where u and v are.
@@ -229,19 +231,39 @@ impl MultiTessellation for EdgeCollapse {
     }
     #[inline]
     fn children(&self, m: UpdateId, visit: impl FnMut(UpdateId)) {
-        self.children_of(m).iter().copied().for_each(visit)
+        self.neighbours_of(m).1.iter().copied().for_each(visit)
     }
     #[inline]
     fn needs(&self, _: &FrontMesh, m: UpdateId, visit: impl FnMut(UpdateId)) {
-        self.needs_of(m).iter().copied().for_each(visit)
+        self.neighbours_of(m).0.iter().copied().for_each(visit)
     }
     #[inline]
     fn refine(&self, mesh: &mut FrontMesh, m: UpdateId) {
-        mesh.refine(self, m)
+        mesh.refine(self, m, |_| ())
     }
     #[inline]
     fn coarsen(&self, mesh: &mut FrontMesh, m: UpdateId) {
-        mesh.coarsen(self, m)
+        mesh.coarsen(self, m, |_| ())
+    }
+    #[inline]
+    fn refine_around(
+        &self,
+        mesh: &mut FrontMesh,
+        m: UpdateId,
+        _: impl Fn(UpdateId) -> bool,
+        around: impl FnMut(Around),
+    ) {
+        mesh.refine(self, m, around)
+    }
+    #[inline]
+    fn coarsen_around(
+        &self,
+        mesh: &mut FrontMesh,
+        m: UpdateId,
+        _: impl Fn(UpdateId) -> bool,
+        around: impl FnMut(Around),
+    ) {
+        mesh.coarsen(self, m, around)
     }
     fn cells(&self, mesh: &FrontMesh) -> usize {
         mesh.buffers.live_triangles()
@@ -290,8 +312,8 @@ impl TriangleModel for EdgeCollapse {
         let explicit: usize =
             self.explicit.iter().map(|e| size_of::<ExplicitSplit>() + size_of_val(&e.added[..]) + 4).sum();
         explicit
-            + size_of_val(&self.needs[..])
-            + size_of_val(&self.children[..])
+            + size_of_val(&self.neighbours[..])
+            + self.needed.memory_bytes()
             + size_of_val(&self.fine_places[..])
             + size_of_val(&self.splits[..])
             + size_of_val(&self.colors[..])

@@ -2,6 +2,7 @@
 
 mod columns;
 mod corner_lists;
+mod counts;
 pub mod edge_collapse;
 mod footprint;
 mod lists;

@@ -32,6 +32,7 @@ mod record;
 
 pub use front_mesh::FrontMesh;
 
+use lattice::NOWHERE;
 pub use lattice::{Lattice, Site};
 use record::Record;
 
@@ -275,6 +276,11 @@ impl RightTriangles {
     fn is_update(&self, id: u32) -> bool {
         self.regular || self.records[id as usize].is_update()
     }
+    /// The update of one of the lattice's ids, if there is one.
+    #[inline]
+    fn update(&self, id: u32) -> Option<UpdateId> {
+        (id != NOWHERE && self.is_update(id)).then_some(UpdateId(id))
+    }
     #[inline]
     fn visit(&self, x: i32, y: i32, visit: &mut impl FnMut(UpdateId)) {
         if let Some(id) = self.lattice.id(x, y).filter(|&id| self.is_update(id)) {
@@ -333,7 +339,7 @@ impl MultiTessellation for RightTriangles {
     #[inline]
     fn children(&self, m: UpdateId, mut visit: impl FnMut(UpdateId)) {
         let middles = self.lattice.middles(&self.lattice.spot(m.0));
-        middles.into_iter().flatten().filter(|&id| self.is_update(id)).for_each(|id| visit(UpdateId(id)));
+        middles.into_iter().filter_map(|id| self.update(id)).for_each(&mut visit);
     }
     #[inline]
     fn refine_around(
@@ -341,21 +347,17 @@ impl MultiTessellation for RightTriangles {
         mesh: &mut FrontMesh,
         m: UpdateId,
         applied: impl Fn(UpdateId) -> bool,
-        mut changed: impl FnMut(Around),
+        mut around: impl FnMut(Around),
     ) {
         let spot = self.lattice.spot(m.0);
         let apexes = self.lattice.apexes(&spot);
         mesh.refine(self, m, &spot, apexes);
-        apexes
-            .into_iter()
-            .flatten()
-            .filter(|&id| self.is_update(id))
-            .for_each(|id| changed(Around::Needed(UpdateId(id))));
+        apexes.into_iter().filter_map(|id| self.update(id)).for_each(|m| around(Around::Closed(m)));
         // The middle of a new hypotenuse; what it needs besides m is as far beyond it as m is before it.
         for (middle, beyond) in self.lattice.middles(&spot).into_iter().zip(self.lattice.beyond_middles(&spot)) {
-            let Some(middle) = middle.filter(|&id| self.is_update(id)) else { continue };
-            if beyond.is_none_or(|id| !self.is_update(id) || applied(UpdateId(id))) {
-                changed(Around::Ready(UpdateId(middle)));
+            let Some(middle) = self.update(middle) else { continue };
+            if self.update(beyond).is_none_or(&applied) {
+                around(Around::Opened(middle));
             }
         }
     }
@@ -389,7 +391,7 @@ impl RightTriangles {
     #[inline]
     fn for_needs(&self, m: UpdateId, mut visit: impl FnMut(UpdateId)) {
         let apexes = self.lattice.apexes(&self.lattice.spot(m.0));
-        apexes.into_iter().flatten().filter(|&id| self.is_update(id)).for_each(|id| visit(UpdateId(id)));
+        apexes.into_iter().filter_map(|id| self.update(id)).for_each(&mut visit);
     }
 }
 

@@ -662,67 +662,54 @@ impl<H: MultiTessellation> Front<H> {
         self.steps.push(Step::Refine(m));
         self.open(m.0);
         let Front { open, open_count, applied, filed, work, mesh, .. } = self;
-        let (mut opened, mut closed) = (0, 0);
+        let mut note = |around| take_note(around, open, open_count, filed, work);
         if H::READS_MESH {
             h.refine(mesh, m);
             h.children(m, |child| {
                 if !applied.has(child.0) {
-                    opened += open.insert(child.0) as usize;
-                    if !filed.has(child.0) {
-                        work.push(child.0);
-                    }
+                    note(Around::Opened(child));
                 }
             });
         } else {
-            // None of the children is applied: `m` was not.
-            h.refine_around(
-                mesh,
-                m,
-                |n| applied.has(n.0),
-                |around| match around {
-                    Around::Needed(n) => closed += open.remove(n.0) as usize,
-                    Around::Ready(child) => {
-                        opened += open.insert(child.0) as usize;
-                        if !filed.has(child.0) {
-                            work.push(child.0);
-                        }
-                    }
-                },
-            );
+            h.refine_around(mesh, m, |n| applied.has(n.0), note);
         }
-        *open_count = *open_count + opened - closed;
         applied.insert(m.0);
     }
 
     /// Undoes a leaf, and opens and closes decisions around it.
     fn undo(&mut self, h: &H, m: u32) {
         let m = UpdateId(m);
-        h.coarsen(&mut self.mesh, m);
         self.applied.remove(m.0);
         self.applied_count -= 1;
         self.steps.push(Step::Coarsen(m));
         self.open(m.0);
         if H::READS_MESH {
+            h.coarsen(&mut self.mesh, m);
             for waiting in self.waiting.remove(&m.0).unwrap_or_default() {
                 if self.applied.has(waiting) {
                     self.open(waiting);
                     self.work.push(waiting);
                 }
             }
-            return;
+        } else {
+            let Front { open, open_count, applied, filed, work, mesh, .. } = self;
+            let note = |around| take_note(around, open, open_count, filed, work);
+            h.coarsen_around(mesh, m, |n| applied.has(n.0), note);
         }
-        let Front { open, open_count, applied, filed, work, mesh, .. } = self;
-        h.children(m, |child| *open_count -= open.remove(child.0) as usize);
-        h.needs(mesh, m, |n| {
-            let mut leaf = true;
-            h.children(n, |child| leaf &= !applied.has(child.0));
-            if leaf {
-                *open_count += open.insert(n.0) as usize;
-                if !filed.has(n.0) {
-                    work.push(n.0);
-                }
+    }
+}
+
+/// A decision opens or closes; one that nobody knows of is work.
+#[inline]
+fn take_note(around: Around, open: &mut Bits, open_count: &mut usize, filed: &Bits, work: &mut Vec<u32>) {
+    match around {
+        Around::Closed(m) => *open_count -= open.remove(m.0) as usize,
+        Around::Opened(m) => {
+            *open_count += open.insert(m.0) as usize;
+            if !filed.has(m.0) {
+                work.push(m.0);
             }
-        });
+        }
     }
 }
 

@@ -59,13 +59,14 @@ impl NormalCone {
     pub const ALL: NormalCone = NormalCone { axis: Vec3::Z, sin: 0.0, cos: -1.0 };
 }
 
-/// An update next to one that was just applied.
+/// What applying or undoing an update does to a decision next to it. A decision is open where it may be taken: to apply an
+/// update all of whose needs are applied, or to undo one that nothing applied needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Around {
-    /// It is needed by that one.
-    Needed(UpdateId),
-    /// It needs that one, and nothing any more that is not applied.
-    Ready(UpdateId),
+    /// The decision is open now, and was not before.
+    Opened(UpdateId),
+    /// The decision is not open any more. It may not have been open before, either.
+    Closed(UpdateId),
 }
 
 /// A base mesh, updates, and a dependency order: the one trait that every model implements.
@@ -112,22 +113,42 @@ pub trait MultiTessellation {
     /// Visits the updates that may become legal once `m` is applied. It depends on nothing live.
     fn children(&self, m: UpdateId, visit: impl FnMut(UpdateId));
     /// Applies a legal update, and says what that changes around it. `applied` does not say so of `m` itself. Asked only where
-    /// dependencies do not read the mesh; a model that finds all of it at once does better than this does step by step.
+    /// dependencies do not read the mesh; a model that finds or counts all of it does better than this does step by step.
     #[inline]
     fn refine_around(
         &self,
         mesh: &mut Self::Mesh,
         m: UpdateId,
         applied: impl Fn(UpdateId) -> bool,
-        mut changed: impl FnMut(Around),
+        mut around: impl FnMut(Around),
     ) {
         self.refine(mesh, m);
-        self.needs(mesh, m, |n| changed(Around::Needed(n)));
+        self.needs(mesh, m, |n| around(Around::Closed(n)));
         self.children(m, |child| {
             let mut all = true;
             self.needs(mesh, child, |n| all &= n == m || applied(n));
             if all {
-                changed(Around::Ready(child));
+                around(Around::Opened(child));
+            }
+        });
+    }
+    /// Undoes an update that nothing applied needs, and says what that changes around it; otherwise as
+    /// [`refine_around`](MultiTessellation::refine_around).
+    #[inline]
+    fn coarsen_around(
+        &self,
+        mesh: &mut Self::Mesh,
+        m: UpdateId,
+        applied: impl Fn(UpdateId) -> bool,
+        mut around: impl FnMut(Around),
+    ) {
+        self.coarsen(mesh, m);
+        self.children(m, |child| around(Around::Closed(child)));
+        self.needs(mesh, m, |n| {
+            let mut leaf = true;
+            self.children(n, |child| leaf &= !applied(child));
+            if leaf {
+                around(Around::Opened(n));
             }
         });
     }

@@ -4,6 +4,7 @@ use super::columns::Columns;
 use super::front_mesh::{Added, AddedList, FrontMesh, MAX_ADDED, Star, StarCorner, gap_triangle, gaps};
 use super::{EdgeCollapse, Node, Split};
 use crate::columns::{InvalidColumns, check_base, check_lengths, check_update};
+use crate::counts::Needed;
 use crate::footprint::{Cells, Frame, PackedFootprint, step_cost};
 use crate::lists::UpdateLists;
 use crate::live::Most;
@@ -61,24 +62,32 @@ pub(super) fn derive(columns: Columns, progress: Progress) -> Result<EdgeCollaps
         h.costs[m] = step_cost(points[slot as usize], fine);
         cells.push(cells_of(&h, id, points, slot, &star, &added));
         front.buffers.clear_changes();
-        front.refine(&h, id);
+        front.refine(&h, id, |_| ());
     }
     h.most = Most { vertices: front.buffers.live_vertices(), triangles: front.buffers.live_triangles() };
     let children = needs.reversed();
     h.roots = (0..updates as u32).map(UpdateId).filter(|m| needs.of(m.ix()).is_empty()).collect();
-    for (m, node) in h.nodes.iter_mut().enumerate() {
-        (node.needs, node.children) = (needs.offsets[m], children.offsets[m]);
+    let too_many =
+        |m: UpdateId| InvalidColumns::Update { update: m.0, reason: "too many updates need it or are needed by it" };
+    h.needed = Needed::of(&needs, &children).map_err(too_many)?;
+    h.neighbours.reserve_exact(needs.items.len() + children.items.len());
+    for m in 0..updates {
+        let needs = needs.of(m);
+        (h.nodes[m].first, h.nodes[m].needs) = (h.neighbours.len() as u32, needs.len() as u8);
+        h.neighbours.extend_from_slice(needs);
+        h.neighbours.extend_from_slice(children.of(m));
     }
-    (h.needs, h.children) = (needs.items, children.items);
+    h.nodes[updates].first = h.neighbours.len() as u32;
+    drop((needs, children));
     if !h.source_normals {
         derive_normals(&mut h, &front);
     }
     for m in (0..updates).rev() {
-        let children = h.children_of(UpdateId(m as u32)).iter().map(|&c| h.footprint(c));
+        let children = h.neighbours_of(UpdateId(m as u32)).1.iter().map(|&c| h.footprint(c));
         h.nodes[m].footprint = h.frame.nest(h.nodes[m].footprint.error, &cells[m], children);
     }
     for m in (0..updates).rev() {
-        h.costs[m] = h.children_of(UpdateId(m as u32)).iter().map(|c| h.costs[c.ix()]).fold(h.costs[m], f32::max);
+        h.costs[m] = h.neighbours_of(UpdateId(m as u32)).1.iter().map(|c| h.costs[c.ix()]).fold(h.costs[m], f32::max);
     }
     Ok(h)
 }
@@ -168,11 +177,11 @@ fn undecorated(c: Columns) -> Result<EdgeCollapse, InvalidColumns> {
             .errors
             .iter()
             .chain(&[0.0])
-            .map(|&error| Node { footprint: PackedFootprint::of_error(error), needs: 0, children: 0 })
+            .map(|&error| Node { footprint: PackedFootprint::of_error(error), first: 0, needs: 0 })
             .collect(),
         frame,
-        needs: vec![],
-        children: vec![],
+        neighbours: vec![],
+        needed: Needed::default(),
         roots: vec![],
         floor_error: c.floor_error,
         source: c.source,

@@ -5,12 +5,13 @@
 
 use super::{AddedTriangle, Columns, EdgeCollapse};
 use crate::corner_lists::{Corner, CornerLists};
+use crate::counts::Counts;
 use crate::live::{TriangleBuffers, VertexLook};
 use crate::model::LiveMesh;
 use crate::slot_table::SlotTable;
 use arrayvec::ArrayVec;
 use meshfront_mesh::VertexId;
-use meshfront_refine::UpdateId;
+use meshfront_refine::{Around, UpdateId};
 
 /// A front's live mesh: at most 120 bytes per active vertex with the engine's state, where capacity
 /// follows size.
@@ -21,6 +22,7 @@ pub struct FrontMesh {
     lists: CornerLists<VertexId>,
     /// Slot of a live vertex, by its id.
     slots: SlotTable,
+    counts: Counts,
 }
 
 /// The star of a vertex, sorted by triangle number.
@@ -80,6 +82,7 @@ impl FrontMesh {
             buffers: TriangleBuffers::for_at_most(h.most),
             lists: CornerLists::new(),
             slots: SlotTable::new(h.base_vertices() as usize + 2 * h.splits.len()),
+            counts: Counts::new(&h.needed),
         };
         front.add_base(h);
         front
@@ -88,6 +91,7 @@ impl FrontMesh {
         self.buffers.clear();
         self.lists.clear();
         self.slots.reset();
+        self.counts.reset(&h.needed);
         self.add_base(h);
     }
     fn add_base(&mut self, h: &EdgeCollapse) {
@@ -142,7 +146,7 @@ impl FrontMesh {
     }
 
     #[inline]
-    pub(super) fn refine(&mut self, h: &EdgeCollapse, m: UpdateId) {
+    pub(super) fn refine(&mut self, h: &EdgeCollapse, m: UpdateId, mut around: impl FnMut(Around)) {
         let split = &h.splits[m.ix()];
         let slot_u = self.slot(split.vertex).expect("the engine refines only what is legal");
         let mut star = ArrayVec::new();
@@ -185,9 +189,21 @@ impl FrontMesh {
                 self.lists.insert(corners[k], slot << 2 | k as u32);
             }
         }
+
+        let (needs, children) = h.neighbours_of(m);
+        for &n in needs {
+            self.counts.hold(n);
+            around(Around::Closed(n));
+        }
+        for &child in children {
+            if self.counts.meet(child) {
+                around(Around::Opened(child));
+            }
+        }
     }
 
-    pub(super) fn coarsen(&mut self, h: &EdgeCollapse, m: UpdateId) {
+    #[inline]
+    pub(super) fn coarsen(&mut self, h: &EdgeCollapse, m: UpdateId, mut around: impl FnMut(Around)) {
         let split = &h.splits[m.ix()];
         let legal = "the engine coarsens only what is legal";
         let slot_u = self.slot(h.child(m, 0)).expect(legal);
@@ -226,6 +242,17 @@ impl FrontMesh {
         self.slots.clear(h.child(m, 0).ix());
         self.settle(slot_u, split.vertex);
         self.buffers.set_vertex(slot_u, &h.vertex_look(split.vertex, split.level));
+
+        let (needs, children) = h.neighbours_of(m);
+        for &child in children {
+            self.counts.miss(child);
+            around(Around::Closed(child));
+        }
+        for &n in needs {
+            if self.counts.free(n) {
+                around(Around::Opened(n));
+            }
+        }
     }
 
     // Slots.
@@ -257,6 +284,6 @@ impl LiveMesh for FrontMesh {
         &mut self.buffers
     }
     fn memory_bytes(&self) -> usize {
-        self.buffers.memory_bytes() + self.lists.memory_bytes() + self.slots.memory_bytes()
+        self.buffers.memory_bytes() + self.lists.memory_bytes() + self.slots.memory_bytes() + self.counts.memory_bytes()
     }
 }

@@ -1,7 +1,7 @@
 //! Errors, spheres and cones of all updates from the heights alone, fine to coarse.
 
 use super::base::{Base, Missing};
-use super::lattice::{Lattice, Site, Spot};
+use super::lattice::{APEXES, Lattice, NOWHERE, Site, Spot};
 use super::record::{self, Record};
 use super::{Columns, Corner, InvalidHeights, RightTriangles};
 use crate::model::Progress;
@@ -19,6 +19,8 @@ struct Field<'a> {
     columns: i32,
     rows: i32,
     spacing: Vec2,
+    /// One over twice the spacing.
+    per_two: Vec2,
 }
 
 impl Field<'_> {
@@ -33,8 +35,8 @@ impl Field<'_> {
     /// From central differences; at borders and beside missing samples from what there is.
     fn normal(&self, x: i32, y: i32) -> Vec3 {
         if (1..self.columns - 1).contains(&x) && (1..self.rows - 1).contains(&y) {
-            let across = (self.at(x + 1, y) - self.at(x - 1, y)) / (2.0 * self.spacing.x);
-            let up = (self.at(x, y + 1) - self.at(x, y - 1)) / (2.0 * self.spacing.y);
+            let across = (self.at(x + 1, y) - self.at(x - 1, y)) * self.per_two.x;
+            let up = (self.at(x, y + 1) - self.at(x, y - 1)) * self.per_two.y;
             if !(across + up).is_nan() {
                 return Vec3::new(-across, -up, 1.0).normalize_or(Vec3::Z);
             }
@@ -51,92 +53,83 @@ impl Field<'_> {
         Vec3::new(-dx, -dy, 1.0).normalize_or(Vec3::Z)
     }
 
-    /// The greatest vertical distance of samples of a row, from column `x`, from a line that starts at `start` there.
-    #[inline]
-    fn row(&self, y: i32, x: i32, count: i32, start: f32, slope: f32) -> f32 {
+    /// Notes the vertical distances of samples of a row, from column `x`, from a line that starts at `start` there.
+    #[inline(always)]
+    fn row(&self, worst: &mut Worst, [x, y]: [i32; 2], count: i32, start: f32, slope: f32) {
         let first = (y * self.columns + x) as usize;
         let row = &self.heights[first..first + count as usize];
-        let away = |k: usize, h: f32| (h - (start + slope * k as f32)).abs();
-        let (groups, rest) = row.as_chunks::<8>();
-        let mut worst = rest.iter().enumerate().fold(0.0, |w, (k, &h)| greater(w, away(8 * groups.len() + k, h)));
-        if !groups.is_empty() {
-            let mut lanes = [0f32; 8];
-            for (g, group) in groups.iter().enumerate() {
-                for k in 0..8 {
-                    lanes[k] = greater(lanes[k], away(8 * g + k, group[k]));
-                }
+        // The last window reaches back over what was looked at before.
+        if let Some(last) = row.last_chunk::<8>() {
+            for (g, group) in row.as_chunks::<8>().0.iter().enumerate() {
+                worst.note(group, 8 * g, start, slope);
             }
-            worst = lanes.into_iter().fold(worst, greater);
+            worst.note(last, row.len() - 8, start, slope);
+        } else if let (Some(first), Some(last)) = (row.first_chunk::<4>(), row.last_chunk::<4>()) {
+            worst.note(first, 0, start, slope);
+            worst.note(last, row.len() - 4, start, slope);
+        } else {
+            for (k, &height) in row.iter().enumerate() {
+                worst.note(&[height], k, start, slope);
+            }
         }
-        worst
     }
 
     /// The greatest vertical distance of the samples in a triangle of M⁻ from it. The surface between samples is no
     /// farther: finer triangles lie inside of coarser ones, and both are flat.
-    fn error(&self, site: &Site, [dx, dy]: [i32; 2]) -> f32 {
+    #[inline(always)]
+    fn error(&self, site: &Site, way: [i32; 2]) -> f32 {
         let &Site { x, y, h, diagonal } = site;
-        if h == 1 {
-            // The middles of the legs of a diagonal one are for the updates there, whose errors are handed up.
-            return (self.at(x, y) - 0.5 * (self.at(x - dy, y + dx) + self.at(x + dy, y - dx))).abs();
-        }
+        let [dx, dy] = way.map(|step| step * h);
+        let mut worst = Worst([0.0; 8]);
         if diagonal {
             let (cx, cy) = (x + dx, y + dy);
             let corner = self.at(cx, cy);
             let slope_x = (self.at(cx - 2 * dx, cy) - corner) / (2 * h) as f32;
             let slope_y = (self.at(cx, cy - 2 * dy) - corner) / (2 * h) as f32;
-            let mut worst = 0f32;
             for t in 0..2 * h {
-                let (count, start) = (2 * h - t + 1, corner + slope_y * t as f32);
-                let row = cy - dy.signum() * t;
-                let error = if dx > 0 {
-                    self.row(row, cx - (count - 1), count, start + slope_x * (count - 1) as f32, -slope_x)
+                let (more, start) = (2 * h - t, corner + slope_y * t as f32);
+                let row = cy - way[1] * t;
+                if way[0] > 0 {
+                    self.row(&mut worst, [cx - more, row], more + 1, start + slope_x * more as f32, -slope_x);
                 } else {
-                    self.row(row, cx, count, start, slope_x)
-                };
-                worst = greater(worst, error);
+                    self.row(&mut worst, [cx, row], more + 1, start, slope_x);
+                }
             }
-            worst
-        } else if dx == 0 {
+        } else if way[0] == 0 {
             let (a, b, apex) = (self.at(x - h, y), self.at(x + h, y), self.at(x, y + dy));
             let (middle, slope) = (0.5 * (a + b), (b - a) / (2 * h) as f32);
             let up = (apex - middle) / h as f32;
-            let row = |t: i32| {
+            for t in 0..h {
                 let start = middle + up * t as f32 - slope * (h - t) as f32;
-                self.row(y + dy.signum() * t, x - (h - t), 2 * (h - t) + 1, start, slope)
-            };
-            (0..h).map(row).fold(0.0, greater)
+                self.row(&mut worst, [x - (h - t), y + way[1] * t], 2 * (h - t) + 1, start, slope);
+            }
         } else {
             let (a, b, apex) = (self.at(x, y - h), self.at(x, y + h), self.at(x + dx, y));
             let (middle, slope) = (0.5 * (a + b), (b - a) / (2 * h) as f32);
             let across = (apex - middle) / h as f32;
-            let row = |t: i32| {
-                let (count, start) = (h - t.abs() + 1, middle + slope * t as f32);
-                if dx > 0 {
-                    self.row(y + t, x, count, start, across)
+            for t in -h..=h {
+                let (more, start) = (h - t.abs(), middle + slope * t as f32);
+                if way[0] > 0 {
+                    self.row(&mut worst, [x, y + t], more + 1, start, across);
                 } else {
-                    self.row(y + t, x - (count - 1), count, start + across * (count - 1) as f32, -across)
+                    self.row(&mut worst, [x - more, y + t], more + 1, start + across * more as f32, -across);
                 }
-            };
-            (-h..=h).map(row).fold(0.0, greater)
+            }
         }
+        worst.0.into_iter().fold(0.0, greater)
     }
+}
 
-    /// Normals of the finest triangles around a sample, of any length, on the sides that are there.
-    #[inline]
-    fn finest_normals(&self, site: &Site, sides: [bool; 2], mut visit: impl FnMut(Vec3)) {
-        let &Site { x, y, .. } = site;
-        let here = self.at(x, y);
-        for ([dx, dy], there) in site.apexes().into_iter().zip(sides) {
-            if !there {
-                continue;
-            }
-            let slope = |[dx, dy]: [i32; 2]| (self.at(x + dx, y + dy) - here) * (dx + dy) as f32;
-            let to_apex = slope([dx, dy]);
-            // Each half has one leg towards the apex, one along the hypotenuse.
-            for leg in [[dy, dx], [-dy, -dx]] {
-                let (sx, sy) = if dx != 0 { (to_apex, slope(leg)) } else { (slope(leg), to_apex) };
-                visit(Vec3::new(-sx / self.spacing.x, -sy / self.spacing.y, 1.0));
-            }
+/// The greatest distances so far, in lanes that are looked at side by side.
+struct Worst([f32; 8]);
+
+impl Worst {
+    /// Heights next to each other, from the one with number `k`, and a line.
+    #[inline(always)]
+    fn note<const N: usize>(&mut self, heights: &[f32; N], k: usize, start: f32, slope: f32) {
+        let k = k as f32;
+        for i in 0..N {
+            self.0[i] = greater((heights[i] - (start + slope * (k + i as f32))).abs(), self.0[i]);
         }
     }
 }
@@ -172,7 +165,8 @@ pub(super) fn derive(columns: Columns, progress: Progress) -> Result<RightTriang
     columns.check()?;
     let Columns { columns: w, rows: r, spacing, ref heights, .. } = columns;
     let lattice = Lattice::new(w, r);
-    let field = Field { heights, columns: w as i32, rows: r as i32, spacing: spacing.as_vec2() };
+    let spacing_f32 = spacing.as_vec2();
+    let field = Field { heights, columns: w as i32, rows: r as i32, spacing: spacing_f32, per_two: 0.5 / spacing_f32 };
     let missing = Missing::of(&lattice, heights);
     let base = Base::new(&lattice, &missing);
     if base.triangles.is_empty() {
@@ -180,8 +174,12 @@ pub(super) fn derive(columns: Columns, progress: Progress) -> Result<RightTriang
     }
     // Where the field fills its square, what is there is a matter of borders.
     let regular = !missing.any() && lattice.columns == lattice.side + 1 && lattice.rows == lattice.side + 1;
-    let sides = |site: &Site| {
+    let sides = |spot: &Spot| {
+        let site = &spot.site();
         if regular {
+            if spot.is_inner() {
+                return [true; 2];
+            }
             site.apexes().map(|[dx, dy]| lattice.contains(site.x + dx, site.y + dy))
         } else if base.cut.contains(&[site.x, site.y]) {
             [false; 2]
@@ -197,10 +195,21 @@ pub(super) fn derive(columns: Columns, progress: Progress) -> Result<RightTriang
         let (coarser, finer) = records.split_at_mut(level.end);
         let end = level.end as u32;
         for_chunks(&mut coarser[level.start..], CHUNK, |chunk, records| {
-            for (i, record) in records.iter_mut().enumerate() {
-                let spot = lattice.spot((level.start + chunk * CHUNK + i) as u32);
-                let below = |id| &finer[(id - end) as usize];
-                *record = measure(&field, &lattice, &spot, sides(&spot.site()), below);
+            let first = (level.start + chunk * CHUNK) as u32;
+            let below = |id| &finer[(id - end) as usize];
+            for (spot, record) in lattice.spots(first..first + records.len() as u32).zip(records) {
+                let sides = sides(&spot);
+                let (field, lattice, spot) = (&field, &lattice, &spot);
+                *record = match (spot.turn(), spot.h()) {
+                    (0, 1) => measure::<0, 1>(field, lattice, spot, sides, below),
+                    (1, 1) => measure::<1, 1>(field, lattice, spot, sides, below),
+                    (2, 1) => measure::<2, 1>(field, lattice, spot, sides, below),
+                    (3, 1) => measure::<3, 1>(field, lattice, spot, sides, below),
+                    (0, _) => measure::<0, 0>(field, lattice, spot, sides, below),
+                    (1, _) => measure::<1, 0>(field, lattice, spot, sides, below),
+                    (2, _) => measure::<2, 0>(field, lattice, spot, sides, below),
+                    _ => measure::<3, 0>(field, lattice, spot, sides, below),
+                };
             }
         });
     }
@@ -237,16 +246,21 @@ pub(super) fn derive(columns: Columns, progress: Progress) -> Result<RightTriang
     })
 }
 
-/// Everything about one update but its neighbours' needs: its own triangles, and what finer ones hand up.
-fn measure<'a>(
+/// Everything about one update but its neighbours' needs: its own triangles, and what finer ones hand up. Of a turn, and of a
+/// h where that is not 0, so that steps are known when it is compiled.
+fn measure<'a, const TURN: usize, const H: i32>(
     field: &Field,
     lattice: &Lattice,
     spot: &Spot,
     sides: [bool; 2],
     finer: impl Fn(u32) -> &'a Record,
 ) -> Record {
-    let site = &spot.site();
-    let &Site { x, y, h, .. } = site;
+    let mut site = spot.site();
+    site.diagonal = TURN < 2;
+    if H > 0 {
+        site.h = H;
+    }
+    let Site { x, y, h, diagonal } = site;
     let height = field.at(x, y);
     if height.is_nan() {
         return Record::missing();
@@ -255,30 +269,50 @@ fn measure<'a>(
     if !record.is_update() {
         return record;
     }
-    let axis = record.normal();
-    // Squared distance of a sample: one root is enough for the farthest one.
-    let squared = |dx: i32, dy: i32, there: f32| {
-        (Vec2::new(dx as f32, dy as f32) * field.spacing).extend(there - height).length_squared()
-    };
-    let (mut error, mut reach) = (0f32, 0f32);
-    for ([dx, dy], _) in site.apexes().into_iter().zip(sides).filter(|(_, there)| *there) {
-        error = greater(error, field.error(site, [dx, dy]));
-        for [dx, dy] in [[dx, dy], [dy, -dx], [-dy, dx]] {
-            reach = greater(reach, squared(dx, dy, field.at(x + dx, y + dy)));
+    let ways = APEXES[TURN];
+    let [dx, dy] = ways[0];
+    // Squared distances: one root is enough for the farthest one.
+    let planar = |[dx, dy]: [i32; 2]| (Vec2::new(dx as f32, dy as f32) * field.spacing).length_squared();
+    let squared = |planar: f32, there: f32| planar + (there - height) * (there - height);
+    let at = |[dx, dy]: [i32; 2]| field.at(x + dx * h, y + dy * h);
+
+    let ends = [[-dy, dx], [dy, -dx]].map(at);
+    let to_end = planar([-dy * h, dx * h]);
+    let mut reach = greater(squared(to_end, ends[0]), squared(to_end, ends[1]));
+    // The middles of the legs of a diagonal one are for the updates there, whose errors are handed up.
+    let mut error = if h == 1 { (height - 0.5 * (ends[0] + ends[1])).abs() } else { 0.0 };
+    let mut spread = Spread { axis: record.normal(), least: 1.0 };
+    for (way, there) in ways.into_iter().zip(sides) {
+        if !there {
+            continue;
+        }
+        let apex = at(way);
+        reach = greater(reach, squared(planar(way.map(|step| step * h)), apex));
+        if h > 1 {
+            error = greater(error, field.error(&site, way));
+        } else if !diagonal {
+            // Nothing is finer than its halves: they have one leg towards the apex, one along the hypotenuse.
+            let up = (height - apex) * (way[0] + way[1]) as f32;
+            for (end, sign) in [(ends[0], dx - dy), (ends[1], dy - dx)] {
+                let along = (height - end) * sign as f32;
+                let [dip_x, dip_y] = if dx == 0 { [along, up] } else { [up, along] };
+                spread.add(Vec3::new(dip_x * 2.0 * field.per_two.x, dip_y * 2.0 * field.per_two.y, 1.0));
+            }
         }
     }
-    let mut spread = Spread { axis, least: 1.0 };
-    if h == 1 && !site.diagonal {
-        field.finest_normals(site, sides, |normal| spread.add(normal));
+    if h == 1 && !diagonal {
         return record.measured(error, reach.sqrt(), spread.angle());
     }
     let (mut child_reach, mut child_radius, mut child_angle) = (0f32, 0f32, 0f32);
-    for ([dx, dy], id) in site.middles_doubled().into_iter().zip(lattice.middles(spot)) {
-        let Some(child) = id.map(&finer) else { continue };
-        let (dx, dy) = (dx / 2, dy / 2);
+    let steps = Site { x: 0, y: 0, h, diagonal }.middles_doubled();
+    for (step, id) in steps.into_iter().zip(lattice.middles(spot)) {
+        if id == NOWHERE {
+            continue;
+        }
+        let child = finer(id);
         if child.is_update() {
             error = greater(error, child.error());
-            child_reach = greater(child_reach, squared(dx, dy, child.height));
+            child_reach = greater(child_reach, squared(planar(step.map(|c| c / 2)), child.height));
             child_radius = greater(child_radius, child.radius());
             child_angle = greater(child_angle, child.half_angle().unwrap_or(PI));
             spread.add(child.direction());

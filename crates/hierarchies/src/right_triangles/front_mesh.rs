@@ -1,7 +1,7 @@
 //! The live mesh of one front. A cut leaves one half of a triangle in its slot, so that the update which made the
 //! triangle knows where it is for as long as it is applied.
 
-use super::lattice::{Site, Spot, quarter};
+use super::lattice::{APEXES, NOWHERE, Site, Spot, quarter};
 use super::record::Record;
 use super::{Corner, RightTriangles};
 use crate::live::{TriangleBuffers, VertexLook, put, snorm16};
@@ -66,26 +66,26 @@ impl FrontMesh {
     /// The slot of the triangle with its right angle at a step from v, where `apex` is, and its hypotenuse through v; `None`: not
     /// there.
     #[inline]
-    fn slot(&self, h: &RightTriangles, site: &Site, [dx, dy]: [i32; 2], apex: Option<u32>) -> Option<u32> {
-        let quarter = quarter([-dx, -dy]);
-        match apex {
-            Some(id) if h.is_update(id) => self.slots.get(4 * id as usize + quarter),
-            _ => h.base_slots.get(&([site.x + dx, site.y + dy], quarter)).copied(),
+    fn slot(&self, h: &RightTriangles, site: &Site, side: &Side, apex: u32) -> Option<u32> {
+        if apex != NOWHERE && h.is_update(apex) {
+            return self.slots.get(4 * apex as usize + side.quarter);
         }
+        let [dx, dy] = side.way.map(|step| step * site.h);
+        h.base_slots.get(&([site.x + dx, site.y + dy], side.quarter)).copied()
     }
 
     #[inline]
-    pub(super) fn refine(&mut self, h: &RightTriangles, m: UpdateId, spot: &Spot, apexes: [Option<u32>; 2]) {
+    pub(super) fn refine(&mut self, h: &RightTriangles, m: UpdateId, spot: &Spot, apexes: [u32; 2]) {
         let site = spot.site();
         let level = (spot.level + 1).min(255) as u8;
         let v = self.new_vertex(h, site.x, site.y, &h.records[m.ix()], level);
         let mut around = [NONE; 4];
-        for (way, apex) in site.apexes().into_iter().zip(apexes) {
-            let Some(slot) = self.slot(h, &site, way, apex) else { continue };
+        for (side, apex) in SIDES[spot.turn()].iter().zip(apexes) {
+            let Some(slot) = self.slot(h, &site, side, apex) else { continue };
             let [a, b, c] = self.buffers.triangles[slot as usize];
             self.buffers.set_triangle(slot, [c, a, v]);
             let other = self.buffers.add_triangle([b, c, v]);
-            let [first, second] = halves(way);
+            let [first, second] = side.halves;
             (around[first], around[second]) = (slot, other);
         }
         self.slots.set_four(4 * m.ix(), around);
@@ -93,11 +93,10 @@ impl FrontMesh {
 
     #[inline]
     pub(super) fn coarsen(&mut self, h: &RightTriangles, m: UpdateId) {
-        let site = h.lattice.site(m.0);
         let around = self.slots.four(4 * m.ix()).expect("the engine coarsens only what is applied");
         let mut v = 0;
-        for way in site.apexes().into_iter().rev() {
-            let [slot, other] = halves(way).map(|quarter| around[quarter]);
+        for side in SIDES[h.lattice.spot(m.0).turn()].iter().rev() {
+            let [slot, other] = side.halves.map(|quarter| around[quarter]);
             if slot == NONE {
                 continue;
             }
@@ -112,13 +111,30 @@ impl FrontMesh {
     }
 }
 
-/// Places of the two halves of a triangle whose right angle is a step away, among those around its update: the first has its
-/// hypotenuse from there to where the hypotenuse began.
-#[inline]
-fn halves([dx, dy]: [i32; 2]) -> [usize; 2] {
-    // Ends of the hypotenuse are at a right angle to the step: a = v + (−dy, dx), b = v + (dy, −dx).
-    [[dx - dy, dy + dx], [dx + dy, dy - dx]].map(quarter)
+/// One of the two triangles of M⁻, as it lies about v.
+struct Side {
+    /// From v to its right angle, in units of h.
+    way: [i32; 2],
+    /// Its place among the triangles around its right angle.
+    quarter: usize,
+    /// Places of its two halves among those around v: the first has its hypotenuse from the right angle to where the hypotenuse
+    /// began.
+    halves: [usize; 2],
 }
+
+/// Per [`Spot::turn`], in the order of [`Site::apexes`].
+const SIDES: [[Side; 2]; 4] = {
+    const fn sides([first, second]: [[i32; 2]; 2]) -> [Side; 2] {
+        [side(first), side(second)]
+    }
+    const fn side(way: [i32; 2]) -> Side {
+        let [dx, dy] = way;
+        // Ends of the hypotenuse are at a right angle to the step: a = v + (−dy, dx), b = v + (dy, −dx).
+        let halves = [quarter([dx - dy, dy + dx]), quarter([dx + dy, dy - dx])];
+        Side { way, quarter: quarter([-dx, -dy]), halves }
+    }
+    [sides(APEXES[0]), sides(APEXES[1]), sides(APEXES[2]), sides(APEXES[3])]
+};
 
 impl LiveMesh for FrontMesh {
     fn buffers(&self) -> &TriangleBuffers {

@@ -30,6 +30,9 @@ pub struct Site {
     pub diagonal: bool,
 }
 
+/// In place of an id: a corner of the square, or outside of the field.
+pub const NOWHERE: u32 = u32::MAX;
+
 /// A step between samples.
 type Way = [i32; 2];
 
@@ -37,16 +40,8 @@ impl Site {
     /// Steps from v to the right angles of its two triangles.
     #[inline]
     pub fn apexes(&self) -> [Way; 2] {
-        let Site { x, y, h, diagonal } = *self;
-        if diagonal {
-            // In units of 2h the corners' coordinates add up to even numbers at the ends of the hypotenuse.
-            let odd = ((x - h) / (2 * h) + (y - h) / (2 * h)) & 1 == 1;
-            if odd { [[-h, -h], [h, h]] } else { [[h, -h], [-h, h]] }
-        } else if x & h != 0 {
-            [[0, -h], [0, h]]
-        } else {
-            [[-h, 0], [h, 0]]
-        }
+        let bits = self.h.trailing_zeros();
+        APEXES[turn(self.diagonal, self.x >> bits, self.y >> bits)].map(|way| way.map(|step| step * self.h))
     }
     /// Steps from v to all four corners of its two triangles.
     #[inline]
@@ -69,12 +64,29 @@ impl Site {
 
 /// Which of the four triangles around an apex has its hypotenuse in a direction.
 #[inline]
-pub(super) fn quarter(way: Way) -> usize {
+pub(super) const fn quarter(way: Way) -> usize {
     match way {
-        [0, dy] => 2 + usize::from(dy > 0),
-        [dx, 0] => usize::from(dx > 0),
-        [dx, dy] => usize::from(dx > 0) + 2 * usize::from(dy > 0),
+        [0, dy] => 2 + (dy > 0) as usize,
+        [dx, 0] => (dx > 0) as usize,
+        [dx, dy] => (dx > 0) as usize + 2 * (dy > 0) as usize,
     }
+}
+
+/// How the two triangles of an update lie: a number below four.
+#[inline]
+fn turn(diagonal: bool, x: i32, y: i32) -> usize {
+    // Corners of diagonal ones are in units of 2h; their coordinates add up to even numbers at the ends of the hypotenuse.
+    let odd = if diagonal { (x >> 1) + (y >> 1) } else { x } & 1;
+    2 * usize::from(!diagonal) + odd as usize
+}
+
+/// Per turn: steps from v to the right angles of its triangles, in units of h.
+pub(super) const APEXES: [[Way; 2]; 4] = [[[1, -1], [-1, 1]], [[-1, -1], [1, 1]], [[-1, 0], [1, 0]], [[0, -1], [0, 1]]];
+
+/// The four diagonal neighbours of a place.
+#[inline]
+fn around(x: i32, y: i32) -> [Way; 4] {
+    [[x - 1, y - 1], [x + 1, y - 1], [x - 1, y + 1], [x + 1, y + 1]]
 }
 
 /// Samples of one level: a row of `odd` ones (x an odd multiple of h), then for straight levels one of `even` ones.
@@ -90,15 +102,36 @@ struct Level {
 }
 
 impl Level {
-    /// The id of a sample of this level, by its column and row in units of h; `None` outside of the field.
+    /// The id of a sample of this level, by its column and row in units of h; [`NOWHERE`] outside of the field.
     #[inline]
-    fn id(&self, x: i32, y: i32) -> Option<u32> {
+    fn id(&self, x: i32, y: i32) -> u32 {
         let (x, y) = (x as u32, y as u32);
-        if x > self.most[0] || y > self.most[1] {
-            return None;
-        }
+        if x > self.most[0] || y > self.most[1] { NOWHERE } else { self.inside(x, y) }
+    }
+    /// The same, for a sample of the field. A diagonal level has no odd rows of its own: y >> 1 is its line.
+    #[inline]
+    fn inside(&self, x: u32, y: u32) -> u32 {
         let skipped = if self.diagonal { 0 } else { (y & 1) * self.odd };
-        Some(self.first + (y >> 1) * (self.odd + self.even) + skipped + (x >> 1))
+        self.first + (y >> 1) * self.line() + skipped + (x >> 1)
+    }
+    /// What is at a place in a line.
+    #[inline]
+    fn spot(&self, level: usize, line: u32, column: u32) -> Spot {
+        let &Level { first, h, odd, diagonal, most, .. } = self;
+        let (x, y) = match (diagonal, column < odd) {
+            (true, _) => (2 * column + 1, 2 * line + 1),
+            (false, true) => (2 * column + 1, 2 * line),
+            (false, false) => (2 * (column - odd), 2 * line + 1),
+        };
+        let within = |c: u32, most: u32| most >= 4 && c.wrapping_sub(2) <= most - 4;
+        let inner = within(x, most[0]) && within(y, most[1]);
+        let id = first + line * self.line() + column;
+        Spot { level, id, diagonal, inner, h: h as i32, x: x as i32, y: y as i32 }
+    }
+    /// Ids from one line (for straight levels: two rows) to the next.
+    #[inline]
+    fn line(&self) -> u32 {
+        self.odd + self.even
     }
 }
 
@@ -107,7 +140,10 @@ impl Level {
 pub struct Spot {
     /// Number of its level, from 0.
     pub level: usize,
+    id: u32,
     diagonal: bool,
+    /// All neighbours are of the field, and none of them is a corner of the square.
+    inner: bool,
     h: i32,
     /// Column and row in units of h.
     x: i32,
@@ -115,6 +151,21 @@ pub struct Spot {
 }
 
 impl Spot {
+    /// Half the hypotenuse's extent along an axis, in samples.
+    #[inline]
+    pub(super) fn h(&self) -> i32 {
+        self.h
+    }
+    /// Whether all of its neighbours are there: that is so away from borders, and where a level has more than four columns and rows.
+    #[inline]
+    pub(super) fn is_inner(&self) -> bool {
+        self.inner
+    }
+    /// How its triangles lie.
+    #[inline]
+    pub(super) fn turn(&self) -> usize {
+        turn(self.diagonal, self.x, self.y)
+    }
     /// Where it is.
     #[inline]
     pub fn site(&self) -> Site {
@@ -200,16 +251,24 @@ impl Lattice {
     #[inline]
     pub fn spot(&self, id: u32) -> Spot {
         let level = self.level_of(id);
-        let Level { first, h, odd, even, diagonal, .. } = self.levels[level];
-        let i = id - first;
-        let pair = odd + even;
-        let (line, column) = (i / pair, i % pair);
-        let (x, y) = match (diagonal, column < odd) {
-            (true, _) => (2 * column + 1, 2 * line + 1),
-            (false, true) => (2 * column + 1, 2 * line),
-            (false, false) => (2 * (column - odd), 2 * line + 1),
-        };
-        Spot { level, diagonal, h: h as i32, x: x as i32, y: y as i32 }
+        let at = &self.levels[level];
+        let i = id - at.first;
+        at.spot(level, i / at.line(), i % at.line())
+    }
+    /// The samples of some ids of one level.
+    pub fn spots(&self, ids: std::ops::Range<u32>) -> impl Iterator<Item = Spot> {
+        let level = self.level_of(ids.start);
+        let at = &self.levels[level];
+        let i = ids.start - at.first;
+        let (mut line, mut column) = (i / at.line(), i % at.line());
+        ids.map(move |_| {
+            let spot = at.spot(level, line, column);
+            column += 1;
+            if column == at.line() {
+                (line, column) = (line + 1, 0);
+            }
+            spot
+        })
     }
     /// The sample of an id.
     #[inline]
@@ -218,49 +277,71 @@ impl Lattice {
     }
 
     // The triangles of a level are made by the updates of the level before: so neighbours are found without a search. All are in
-    // the order of the steps of a `Site`; `None` are corners of the square and what is outside of the field.
+    // the order of the steps of a `Site`; [`NOWHERE`] are corners of the square and what is outside of the field. Away from borders
+    // they lie at fixed distances from each other.
 
     /// Ids at [`Site::apexes`].
     #[inline]
-    pub fn apexes(&self, at: &Spot) -> [Option<u32>; 2] {
-        let Some(level) = at.level.checked_sub(1).map(|level| &self.levels[level]) else { return [None; 2] };
-        let Spot { x, y, .. } = *at;
-        if at.diagonal {
-            let odd = ((x >> 1) + (y >> 1)) & 1 == 1;
+    pub fn apexes(&self, at: &Spot) -> [u32; 2] {
+        let Some(level) = at.level.checked_sub(1).map(|level| &self.levels[level]) else { return [NOWHERE; 2] };
+        let Spot { x, y, inner, .. } = *at;
+        let [a, b] = if at.diagonal {
             let (west, south) = (x >> 1, y >> 1);
-            let (east, north) = (west + 1, south + 1);
-            if odd {
-                [level.id(west, south), level.id(east, north)]
-            } else {
-                [level.id(east, south), level.id(west, north)]
-            }
+            // Ends of the hypotenuse are where coordinates add up to an even number.
+            let odd = (west + south) & 1;
+            [[west + 1 - odd, south], [west + odd, south + 1]]
         } else if x & 1 == 1 {
-            [level.id(x, y - 1), level.id(x, y + 1)]
+            if inner {
+                let south = level.inside(x as u32, y as u32 - 1);
+                return [south, south + level.odd];
+            }
+            [[x, y - 1], [x, y + 1]]
         } else {
-            [level.id(x - 1, y), level.id(x + 1, y)]
-        }
+            if inner {
+                let west = level.inside(x as u32 - 1, y as u32);
+                return [west, west + 1];
+            }
+            [[x - 1, y], [x + 1, y]]
+        };
+        if inner { [a, b].map(|[x, y]| level.inside(x as u32, y as u32)) } else { [a, b].map(|[x, y]| level.id(x, y)) }
     }
     /// Ids at the halves of [`Site::middles_doubled`]; none for the finest.
     #[inline]
-    pub fn middles(&self, at: &Spot) -> [Option<u32>; 4] {
-        let Some(level) = self.levels.get(at.level + 1) else { return [None; 4] };
-        let Spot { x, y, .. } = *at;
-        if at.diagonal {
-            [level.id(x - 1, y), level.id(x + 1, y), level.id(x, y - 1), level.id(x, y + 1)]
-        } else {
-            let (x, y) = (2 * x, 2 * y);
-            [level.id(x - 1, y - 1), level.id(x + 1, y - 1), level.id(x - 1, y + 1), level.id(x + 1, y + 1)]
+    pub fn middles(&self, at: &Spot) -> [u32; 4] {
+        let Some(level) = self.levels.get(at.level + 1) else { return [NOWHERE; 4] };
+        let Spot { x, y, inner, .. } = *at;
+        match (at.diagonal, inner) {
+            (true, true) => {
+                let south = level.inside(x as u32, y as u32 - 1);
+                let west = south + level.odd;
+                [west, west + 1, south, south + level.line()]
+            }
+            (true, false) => [level.id(x - 1, y), level.id(x + 1, y), level.id(x, y - 1), level.id(x, y + 1)],
+            (false, true) => {
+                let west = level.inside(2 * x as u32 - 1, 2 * y as u32 - 1);
+                [west, west + 1, west + level.odd, west + level.odd + 1]
+            }
+            (false, false) => around(2 * x, 2 * y).map(|[x, y]| level.id(x, y)),
         }
     }
     /// Ids at [`Site::middles_doubled`]: what an update at the middle needs besides.
     #[inline]
-    pub fn beyond_middles(&self, at: &Spot) -> [Option<u32>; 4] {
+    pub fn beyond_middles(&self, at: &Spot) -> [u32; 4] {
         let level = &self.levels[at.level];
-        let Spot { x, y, .. } = *at;
-        if at.diagonal {
-            [level.id(x - 2, y), level.id(x + 2, y), level.id(x, y - 2), level.id(x, y + 2)]
-        } else {
-            [level.id(x - 1, y - 1), level.id(x + 1, y - 1), level.id(x - 1, y + 1), level.id(x + 1, y + 1)]
+        let Spot { x, y, id, inner, .. } = *at;
+        match (at.diagonal, inner) {
+            (true, true) => [id - 1, id + 1, id - level.odd, id + level.odd],
+            (true, false) => [level.id(x - 2, y), level.id(x + 2, y), level.id(x, y - 2), level.id(x, y + 2)],
+            (false, true) => {
+                // The row of the other kind before its own, from the west, and the one after it.
+                let (south, north) = if x & 1 == 1 {
+                    (id - level.even, id + level.odd)
+                } else {
+                    (id - level.odd - 1, id + level.even - 1)
+                };
+                [south, south + 1, north, north + 1]
+            }
+            (false, false) => around(x, y).map(|[x, y]| level.id(x, y)),
         }
     }
 
@@ -289,7 +370,7 @@ impl Lattice {
         let (x, y) = (x / h, y / h);
         let diagonal = x & y & 1 == 1;
         let at = 2 * ((self.side / 2).trailing_zeros() - h.trailing_zeros()) as usize + usize::from(!diagonal);
-        self.levels[at].id(x, y)
+        Some(self.levels[at].inside(x as u32, y as u32))
     }
 }
 
@@ -299,7 +380,7 @@ mod tests {
 
     #[test]
     fn every_sample_but_corners_has_one_id_after_those_that_it_needs() {
-        for (columns, rows) in [(2, 2), (3, 3), (5, 5), (9, 9), (2, 9), (7, 3), (13, 6), (33, 20)] {
+        for (columns, rows) in [(2, 2), (3, 3), (5, 5), (9, 9), (2, 9), (7, 3), (13, 6), (33, 20), (33, 33), (65, 40)] {
             let lattice = Lattice::new(columns, rows);
             let mut seen = vec![false; lattice.len()];
             for y in 0..rows as i32 {
@@ -315,9 +396,11 @@ mod tests {
                     assert_eq!(lattice.site_at(x, y), Some(site));
                     let spot = lattice.spot(id);
                     let at = |[dx, dy]: [i32; 2]| lattice.id(x + dx, y + dy);
-                    assert_eq!(lattice.apexes(&spot), site.apexes().map(at));
+                    let at = |way| at(way).unwrap_or(NOWHERE);
+                    assert_eq!(lattice.apexes(&spot), site.apexes().map(at), "{site:?}");
                     let finest = site.h == 1 && !site.diagonal;
-                    let middles = site.middles_doubled().map(|way| at(way.map(|c| c / 2)).filter(|_| !finest));
+                    let middles =
+                        site.middles_doubled().map(|way| if finest { NOWHERE } else { at(way.map(|c| c / 2)) });
                     assert_eq!(lattice.middles(&spot), middles, "{site:?}");
                     assert_eq!(lattice.beyond_middles(&spot), site.middles_doubled().map(at), "{site:?}");
                     for [dx, dy] in site.apexes() {
