@@ -34,7 +34,8 @@ export interface Meshfront {
     material: { color: { set(color: number): void }; type: string };
     addEventListener(type: string, listener: () => void): void;
     removeEventListener(type: string, listener: () => void): void;
-    geometry: { attributes: Record<string, { array: ArrayBufferView }>; index: { array: ArrayBufferView } };
+    quaternion: { x: number; y: number; z: number };
+    geometry: { drawRange: { count: number }; attributes: Record<string, { array: ArrayBufferView }>; index: { array: ArrayBufferView } };
   }[];
 }
 declare global {

@@ -6,9 +6,10 @@ import type { AddressInfo } from "node:net";
 import { join } from "node:path";
 import { expect, test, type Page } from "@playwright/test";
 import pixelmatch from "pixelmatch";
+import { PNG } from "pngjs";
 import { limited } from "../core/test/limited.js";
-import { model, models, small, terrain, view, type Server } from "./files.js";
-import { complaints, open, picture, set, settled, shot } from "./page.js";
+import { model, models, screenshots, small, terrain, view, type Server } from "./files.js";
+import { complaints, decoded, open, picture, set, settled, shot } from "./page.js";
 
 let server: Server;
 test.beforeAll(async () => { server = await view(small); });
@@ -78,6 +79,41 @@ test("progress only grows, is full once, and then the model is there; the base m
   expect(seen[first]!.triangles).toBeLessThan(2000);
   thin.stop();
   large.stop();
+});
+
+test("of a terrain the coarse heights come first, the right way up", async ({ page }) => {
+  const ground = await view(terrain);
+  const thin = await thinLine(ground);
+  await page.addInitScript(() => {
+    const first: Record<string, unknown> = {};
+    Object.assign(window, { first });
+    const look = () => {
+      const object = window.meshfront?.objects[0];
+      const { x = 0, y = 0, z = 0 } = object?.quaternion ?? {};
+      const seen = { triangles: (object?.geometry.drawRange.count ?? 0) / 3, up: [x, y, z], ready: object?.info !== undefined };
+      if (seen.triangles > 0 && first.triangles === undefined) Object.assign(first, seen, { picture: window.meshfront.picture() });
+      requestAnimationFrame(look);
+    };
+    requestAnimationFrame(look);
+  });
+  await open(page, "?tolerance=3&panel=0", thin);
+  const first = await page.evaluate(() => (window as unknown as { first: { triangles: number; up: number[]; ready: boolean; picture: string } }).first);
+  // 65 x 65 of 513 x 513 heights.
+  expect(first).toMatchObject({ triangles: 2 * 64 * 64, ready: false });
+  const up = await page.evaluate(() => {
+    const { x, y, z } = window.meshfront.objects[0]!.quaternion;
+    return [x, y, z];
+  });
+  expect(up).toEqual(first.up);
+  expect(Math.abs(up[0]!)).toBeGreaterThan(0.5);
+  // Much the same as what comes next.
+  const [coarse, fine] = [decoded(first.picture), await picture(page)];
+  const covered = fine.data.filter((alpha, i) => i % 4 === 3 && alpha > 0).length;
+  expect(pixelmatch(coarse.data, fine.data, undefined, fine.width, fine.height)).toBeLessThan(0.3 * covered);
+  await shot(page, "terrain-fine");
+  writeFileSync(join(screenshots, "terrain-first.png"), PNG.sync.write(coarse));
+  thin.stop();
+  ground.stop();
 });
 
 /** Drops files on the page, as a file manager does. */

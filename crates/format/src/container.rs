@@ -186,6 +186,17 @@ pub(crate) fn start<'a>(bytes: &'a [u8], known: &[&'static str]) -> Option<(&'a 
     Some((model, (0..count).filter_map(row).collect()))
 }
 
+/// As much of a section as lies within the first bytes of a file, checksum or not; for one whose parts have their own.
+pub(crate) fn start_of<'a>(bytes: &'a [u8], name: &str) -> Option<&'a [u8]> {
+    let (_, count, _) = start_header(bytes, "").ok()?;
+    let at =
+        (0..count).map(|row| HEADER_LENGTH + ROW_LENGTH * row).find(|&at| bytes[at..at + 4] == *name.as_bytes())?;
+    let offset = usize::try_from(u64_at(bytes, at + 8)).ok()?;
+    let length = usize::try_from(u64_at(bytes, at + 16)).ok()?;
+    let there = bytes.get(offset..)?;
+    Some(&there[..length.min(there.len())])
+}
+
 /// The sections of a file, in order; those that may be passed over are, if not among `known`.
 ///
 /// When this returns, every byte of the file has been covered by a checksum that was right, and the sections lie one

@@ -14,7 +14,7 @@ export interface OpenOptions {
   name?: string;
   /** Told while the file arrives and is checked. */
   onProgress?: (progress: OpenProgress) => void;
-  /** Given the base mesh as soon as that is there, once, before the model is open. Terrains have none. */
+  /** Given the base mesh as soon as that is there, once, before the model is open. */
   onBase?: (base: BaseMesh) => void;
   /** Gives up: `open` rejects with kind `closed`. */
   signal?: AbortSignal;

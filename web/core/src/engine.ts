@@ -3,7 +3,7 @@
 import init, { baseOf, Session, Shade as ShadeNumber } from "../wasm/meshfront_wasm.js";
 import { MeshfrontError } from "./errors.js";
 import type { Engine } from "./host.js";
-import type { FlyByReport, FrameUpdate, ModelInfo, Region, Shade, Vec3, View } from "./view.js";
+import type { BaseMesh, FlyByReport, FrameUpdate, ModelInfo, Region, Shade, Vec3, View } from "./view.js";
 
 const NO_LIMIT = 0xffffffff;
 const PAGE_BYTES = 1 << 16;
@@ -37,8 +37,9 @@ export async function startEngine(module?: BufferSource): Promise<Engine> {
       if (!base) return undefined;
       const { positions, normals, colors, triangles } = base;
       const [min, max] = corners(base.bounds);
+      const up = [...base.up] as unknown as BaseMesh["up"];
       base.free();
-      return { positions, normals, colors, triangles, min, max };
+      return { positions, normals, colors, triangles, min, max, up };
     },
     open(group, bytes, name, onProgress) {
       const start = performance.now();

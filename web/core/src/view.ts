@@ -69,6 +69,8 @@ export interface BaseMesh {
   /** Axis-parallel box of the base mesh, mesh units. */
   min: Vec3;
   max: Vec3;
+  /** Which way is up: a unit vector along an axis. */
+  up: Vec3;
 }
 
 /** How far opening is. */

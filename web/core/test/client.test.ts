@@ -72,7 +72,7 @@ function worker(engine: Partial<Engine> = {}, fetcher?: typeof fetch) {
 }
 const BASE = (): BaseMesh => ({
   positions: Float32Array.of(1, 2, 3), normals: new Int16Array(4), colors: new Uint8Array(0), triangles: new Uint32Array(3),
-  min: [1, 2, 3], max: [1, 2, 3],
+  min: [1, 2, 3], max: [1, 2, 3], up: [0, 1, 0],
 });
 const good = () => Uint8Array.of(77, 1, 2, 3).buffer;
 

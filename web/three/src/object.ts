@@ -33,7 +33,7 @@ export interface MeshfrontOptions {
 export interface MeshfrontEventMap extends Object3DEventMap {
   /** The file is arriving, or is checked. `fraction` is 1 once, when all is done. */
   "load-progress": OpenProgress;
-  /** The base mesh is shown, while the rest still arrives or is checked. Terrains have none. */
+  /** The base mesh is shown, while the rest still arrives or is checked; of a terrain the heights that come first. */
   "load-base": { base: BaseMesh };
   /** The model is open: from here on it follows its cameras. */
   load: { info: ModelInfo };

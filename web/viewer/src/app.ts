@@ -247,8 +247,7 @@ export function start(stage: Stage, settings: Settings, address: Address) {
     object.addEventListener("load-progress", (progress) => loading.progress(i, card.name, progress));
     object.addEventListener("load-error", ({ error }) => fail(error));
     object.addEventListener("needs-update", () => { answered = dirty = true; });
-    // Terrains, whose up is another one, have no base mesh.
-    object.addEventListener("load-base", () => arrive(model, [0, 1, 0]));
+    object.addEventListener("load-base", ({ base }) => arrive(model, base.up));
     object.addEventListener("load", ({ info }) => arrive(model, info.up));
     object.addEventListener("front-settled", settledNow);
     spheres[i] = drawSpheres(object, () => settings.now.spheres, changed);
