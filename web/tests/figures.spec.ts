@@ -7,11 +7,14 @@
  * drawing takes most of both cores, and is not what is to be measured. Uploads go on.
  */
 
+import { execFileSync } from "node:child_process";
 import { copyFileSync, mkdtempSync, rmSync, symlinkSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { test } from "@playwright/test";
+import { test, type Page } from "@playwright/test";
+import type { FlyByReport } from "../core/src/index.js";
+import { binary } from "./files.js";
 import { serveFolder } from "./serve.js";
 
 const file = process.env.MESHFRONT_FIGURES;
@@ -19,7 +22,9 @@ const minutes = Number(process.env.MESHFRONT_MINUTES ?? 1);
 
 /** Milliseconds and so on, as the page has measured them. */
 type Figures = Record<string, number>;
-declare const window: { figures(minutes: number): Promise<Figures> };
+declare const window: { figures(minutes: number): Promise<Figures>; flyBy(): Promise<FlyByReport> };
+/** The flight is compared so often, the browser's worker and the program taking turns. */
+const ROUNDS = 3;
 
 /** Runs in the page. */
 const PAGE = /* js */ `
@@ -30,14 +35,19 @@ import { BufferAttribute, HemisphereLight, Mesh, PerspectiveCamera, Raycaster, S
 const spent = { ms: 0, bytes: 0, calls: 0, whole: 0, triangles: 0 };
 const timed = (owner, name, count) => {
   const original = owner[name];
-  owner[name] = function (...a) {
+  // Five arguments at most, and no list of them: it is called hundreds of times a frame.
+  owner[name] = function (a, b, c, d, e) {
     const start = performance.now();
-    try { return original.apply(this, a); } finally { spent.ms += performance.now() - start; count?.(a); }
+    e === undefined ? original.call(this, a, b, c) : original.call(this, a, b, c, d, e);
+    spent.ms += performance.now() - start;
+    count(a, b, c, d, e);
   };
 };
-const bytesOf = (a) => (a.length > 3 ? a[4] * a[2].BYTES_PER_ELEMENT : a[2].byteLength);
-timed(WebGL2RenderingContext.prototype, "bufferSubData", (a) => { spent.bytes += bytesOf(a); spent.calls++; });
-timed(WebGL2RenderingContext.prototype, "bufferData", (a) => { spent.whole += a[1].byteLength ?? 0; });
+timed(WebGL2RenderingContext.prototype, "bufferSubData", (target, at, data, from, length) => {
+  spent.bytes += length === undefined ? data.byteLength : length * data.BYTES_PER_ELEMENT;
+  spent.calls++;
+});
+timed(WebGL2RenderingContext.prototype, "bufferData", (target, data) => { spent.whole += data.byteLength ?? 0; });
 const onmessage = Object.getOwnPropertyDescriptor(Worker.prototype, "onmessage");
 Object.defineProperty(Worker.prototype, "onmessage", {
   ...onmessage,
@@ -74,7 +84,13 @@ const orbit = (angle, distance, height = 0.3) => {
 };
 object.addEventListener("load-base", () => { orbit(0, 1.8); renderer.render(scene, camera); told("base"); });
 object.addEventListener("load", () => { orbit(0, 1.8); object.update(); told("load"); });
-object.addEventListener("front-settled", () => { renderer.render(scene, camera); told("settled"); });
+// Once: what a page draws of its own accord is none of the packages' time.
+const first = () => {
+  object.removeEventListener("front-settled", first);
+  renderer.render(scene, camera);
+  told("settled");
+};
+object.addEventListener("front-settled", first);
 
 const frame = () => new Promise((next) => requestAnimationFrame(next));
 const settled = async () => { while (!object.settled) { object.update(); await frame(); renderer.render(scene, camera); } };
@@ -118,8 +134,11 @@ async function fly(seconds, sample) {
     renderer.render(scene, camera);
     const rest = performance.now() - drawing - (spent.ms - uploaded);
     await frame();
-    times.push(spent.ms);
-    all.push(spent.ms + rest);
+    // What a long flight is asked for is memory: it keeps nothing of every frame.
+    if (!sample) {
+      times.push(spent.ms);
+      all.push(spent.ms + rest);
+    }
     spent.ms = 0;
     if (sample && performance.now() > next) {
       sampled.push(await sample());
@@ -129,6 +148,7 @@ async function fly(seconds, sample) {
   return { times, all, sampled };
 }
 
+window.flyBy = () => object.flyBy();
 window.figures = async (minutes) => {
   await object.ready;
   await settled();
@@ -160,6 +180,9 @@ window.figures = async (minutes) => {
   found["the same with all of three.js, median ms"] = percentile(all, 0.5);
   found["the same with all of three.js, p99 ms"] = percentile(all, 0.99);
   found["long tasks in it"] = longTasks.length;
+  await window.trace(true);
+  await fly(10);
+  Object.assign(found, await window.trace(false));
   countChanges();
   Object.assign(spent, { ms: 0, bytes: 0, calls: 0, whole: 0, triangles: 0 });
   const { times: frames } = await fly(10);
@@ -183,9 +206,9 @@ window.figures = async (minutes) => {
 
   if (minutes > 0) {
     const { sampled } = await fly(60 * minutes, async () => {
-      await window.collect();
+      const heap = await window.heap();
       const { engineBytes, bufferBytes } = await object.budget.memory();
-      return { engineBytes, bufferBytes, heap: performance.memory?.usedJSHeapSize ?? 0, geometries: renderer.info.memory.geometries };
+      return { engineBytes, bufferBytes, heap, geometries: renderer.info.memory.geometries };
     });
     const [first, last] = [sampled[Math.min(2, sampled.length - 1)], sampled.at(-1)];
     for (const key of Object.keys(first)) {
@@ -199,9 +222,9 @@ window.figures = async (minutes) => {
 };
 `;
 
-test("figures", async ({ page }) => {
+test("figures", async ({ page, browser }) => {
   test.skip(file === undefined, "MESHFRONT_FIGURES names no .front file");
-  test.setTimeout((minutes + 4) * 60_000);
+  test.setTimeout((minutes + 8) * 60_000);
   const folder = mkdtempSync(join(tmpdir(), "meshfront-figures-"));
   copyFileSync(file!, join(folder, "model.front"));
   symlinkSync(fileURLToPath(new URL("../node_modules", import.meta.url)), join(folder, "node_modules"), "junction");
@@ -216,14 +239,86 @@ test("figures", async ({ page }) => {
   const server = await serveFolder(folder);
   page.on("pageerror", (error) => console.log(error));
   // What lies in the heap is what is used, not what was.
-  await page.exposeFunction("collect", () => page.requestGC());
+  await page.exposeFunction("trace", async (on: boolean) => {
+    if (!on) return processorTime(JSON.parse((await browser.stopTracing()).toString()).traceEvents);
+    return browser.startTracing(page, { categories: ["-*", "devtools.timeline", "v8"] });
+  });
+  const devtools = await page.context().newCDPSession(page);
+  await page.exposeFunction("heap", async () => {
+    await devtools.send("HeapProfiler.collectGarbage");
+    return (await devtools.send("Runtime.getHeapUsage")).usedSize;
+  });
   try {
     await page.goto(server.url);
     await page.waitForFunction(() => "figures" in window);
     const figures = await page.evaluate((minutes) => window.figures(minutes), minutes);
+    Object.assign(figures, await ratio(page));
     for (const [name, value] of Object.entries(figures)) console.log(`${name.padEnd(44)} ${Number(value.toPrecision(4)).toLocaleString("en")}`);
   } finally {
     server.stop();
     rmSync(folder, { recursive: true, force: true });
   }
 });
+
+/** An event of the browser's trace, microseconds: by the clock, and on a processor. */
+interface Traced {
+  name: string;
+  ph: string;
+  pid: number;
+  tid: number;
+  ts: number;
+  dur: number;
+  tdur?: number;
+}
+
+/**
+ * Script of a frame, its messages and what is collected meanwhile: by the clock, and on a processor. The clock also runs while other
+ * processes have the cores, the one that draws in software among them. All of three.js and of this page's own script is in it.
+ */
+function processorTime(events: Traced[]): Figures {
+  const isFrame = ({ name }: Traced) => name === "FireAnimationFrame";
+  const frames = new Map<string, number>();
+  const thread = ({ pid, tid }: Traced) => `${pid} ${tid}`;
+  for (const event of events) if (isFrame(event)) frames.set(thread(event), (frames.get(thread(event)) ?? 0) + 1);
+  const [main] = [...frames].sort(([, a], [, b]) => b - a)[0]!;
+  const script = /^(FireAnimationFrame|FunctionCall|RunMicrotasks|v8\.callFunction|MinorGC|MajorGC)$/;
+  const mine = events.filter((event) => thread(event) === main && event.ph === "X" && script.test(event.name)).sort((a, b) => a.ts - b.ts);
+  const [clock, processor]: [number[], number[]] = [[], []];
+  let end = 0;
+  for (const event of mine) {
+    // What lies in another one is counted there.
+    if (event.ts < end) continue;
+    end = event.ts + event.dur;
+    if (isFrame(event)) (clock.push(0), processor.push(0));
+    if (clock.length === 0) continue;
+    clock[clock.length - 1]! += event.dur / 1000;
+    processor[processor.length - 1]! += (event.tdur ?? 0) / 1000;
+  }
+  const part = (all: number[], p: number) => [...all].sort((a, b) => a - b)[Math.min(all.length - 1, Math.floor(p * all.length))]!;
+  return {
+    "all script, traced, median ms": part(clock, 0.5),
+    "all script, traced, p99 ms": part(clock, 0.99),
+    "of that on a processor, median ms": part(processor, 0.5),
+    "of that on a processor, p99 ms": part(processor, 0.99),
+  };
+}
+
+/** The same flight in the worker and in the program, mean milliseconds a frame: medians, and their ratio. */
+async function ratio(page: Page): Promise<Figures> {
+  const [worker, native]: [number[], number[]] = [[], []];
+  for (let round = 0; round < ROUNDS; round++) {
+    worker.push(middle(await Promise.all([0, 1, 2].map(() => page.evaluate(async () => (await window.flyBy()).meanMs)))));
+    native.push(JSON.parse(execFileSync(binary, ["bench", file!, "--json"], { encoding: "utf8" })).fly_by.ms.mean);
+  }
+
+  console.log(`flights, ms per frame: worker ${worker.map((ms) => ms.toFixed(3))}, program ${native.map((ms) => ms.toFixed(3))}`);
+  return {
+    "flight in the worker, ms per frame": middle(worker),
+    "flight in the program, ms per frame": middle(native),
+    "flight, worker / native": middle(worker) / middle(native),
+  };
+}
+
+function middle(all: number[]): number {
+  return [...all].sort((a, b) => a - b)[Math.floor(all.length / 2)]!;
+}

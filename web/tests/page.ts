@@ -25,15 +25,17 @@ export interface Meshfront {
   original: boolean;
   flyBy(): Promise<FlyByReport>;
   camera: { position: { toArray(): Vec3 }; near: number; far: number };
-  renderer: { getContext(): WebGL2RenderingContext };
+  renderer: { getContext(): WebGL2RenderingContext; info: { memory: { geometries: number } } };
   objects: {
     visible: boolean;
     info?: ModelInfo;
     bufferBytes: number;
+    budget: { memory(): Promise<{ engineBytes: number }> };
     material: { color: { set(color: number): void }; type: string };
     addEventListener(type: string, listener: () => void): void;
     removeEventListener(type: string, listener: () => void): void;
-    geometry: { attributes: Record<string, { array: ArrayBufferView }>; index: { array: ArrayBufferView } };
+    quaternion: { x: number; y: number; z: number };
+    geometry: { drawRange: { count: number }; attributes: Record<string, { array: ArrayBufferView }>; index: { array: ArrayBufferView } };
   }[];
 }
 declare global {

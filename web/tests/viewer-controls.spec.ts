@@ -249,6 +249,58 @@ test("the divider: the front on the left, the original on the right", async ({ p
   await expect(handle).toBeHidden();
 });
 
+const complete = (page: Page) => page.waitForFunction(() => window.meshfront.original);
+
+test("the original has limits of its own, and may be limited", async ({ page }) => {
+  const { triangles } = await open(page, "?budget=2000&memory=1", server);
+  const { sourceTriangles } = (await page.evaluate(() => window.meshfront.info()))!;
+  const count = (n: number) => n.toLocaleString("en");
+  const handle = page.locator("#divider");
+  await openSection(page, "comparison");
+  await page.locator("#comparing").check();
+  await expect(handle).toContainText(`Original, ${count(sourceTriangles)} triangles`);
+  // In the same worker, and yet the front is neither finer nor coarser for it.
+  expect(page.workers()).toHaveLength(1);
+  expect((await settled(page)).triangles).toBe(triangles);
+  const most = page.locator("#original-triangles");
+  await expect(most).toHaveValue("8000000");
+  await most.fill("5000");
+  await most.press("Enter");
+  await expect(handle).toContainText(/Original, limited to (5,000|4,9\d\d) of /);
+  await expect(handle).toContainText(`of ${count(sourceTriangles)} triangles`);
+  await expect(page).toHaveURL(/original=5000/);
+  await shot(page, "divider-limited");
+  expect((await settled(page)).triangles).toBe(triangles);
+  // From the beginning, in another language; what makes no sense is not taken.
+  await open(page, "?compare=0.5&original=4000&lang=pt", server);
+  await expect(handle).toContainText(/Original, limitado a (4[.\u00a0 ]?000|3[.\u00a0 ]?9\d\d) de /);
+  await most.evaluate((field: HTMLInputElement) => { field.value = "-3"; field.dispatchEvent(new Event("change")); });
+  expect(await page.evaluate(() => window.meshfront.settings.originalTriangles)).toBe(4000);
+});
+
+test("what the original takes is given back", async ({ page }) => {
+  await open(page, "?panel=0", server);
+  const sizes: { engineBytes: number; geometries: number }[] = [];
+  const measure = async () => sizes.push(await page.evaluate(async () => ({
+    engineBytes: (await window.meshfront.objects[0]!.budget.memory()).engineBytes,
+    geometries: window.meshfront.renderer.info.memory.geometries,
+  })));
+  await measure();
+  for (let i = 0; i < 8; i++) {
+    await set(page, "divider", 0.5);
+    await complete(page);
+    await drawn(page);
+    expect(await page.evaluate(() => window.meshfront.renderer.info.memory.geometries)).toBe(sizes[0]!.geometries + 1);
+    await set(page, "divider", undefined);
+    await drawn(page);
+    await measure();
+  }
+  // WebAssembly keeps what it had once; but the next one takes the same place.
+  const [before, first, last] = [sizes[0]!, sizes[1]!, sizes.at(-1)!];
+  expect(last.engineBytes - first.engineBytes).toBeLessThan(0.5 * (first.engineBytes - before.engineBytes));
+  expect([first.geometries, last.geometries]).toEqual([before.geometries, before.geometries]);
+});
+
 test("the picture as a file, background and all", async ({ page }) => {
   await open(page, "?background=%23ff00ff&tolerance=4", server);
   const [file] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save the picture" }).click()]);

@@ -6,8 +6,10 @@ import type { AddressInfo } from "node:net";
 import { join } from "node:path";
 import { expect, test, type Page } from "@playwright/test";
 import pixelmatch from "pixelmatch";
-import { model, models, small, terrain, view, type Server } from "./files.js";
-import { complaints, open, picture, settled, shot } from "./page.js";
+import { PNG } from "pngjs";
+import { limited } from "../core/test/limited.js";
+import { model, models, screenshots, small, terrain, view, type Server } from "./files.js";
+import { complaints, decoded, open, picture, set, settled, shot } from "./page.js";
 
 let server: Server;
 test.beforeAll(async () => { server = await view(small); });
@@ -77,6 +79,41 @@ test("progress only grows, is full once, and then the model is there; the base m
   expect(seen[first]!.triangles).toBeLessThan(2000);
   thin.stop();
   large.stop();
+});
+
+test("of a terrain the coarse heights come first, the right way up", async ({ page }) => {
+  const ground = await view(terrain);
+  const thin = await thinLine(ground);
+  await page.addInitScript(() => {
+    const first: Record<string, unknown> = {};
+    Object.assign(window, { first });
+    const look = () => {
+      const object = window.meshfront?.objects[0];
+      const { x = 0, y = 0, z = 0 } = object?.quaternion ?? {};
+      const seen = { triangles: (object?.geometry.drawRange.count ?? 0) / 3, up: [x, y, z], ready: object?.info !== undefined };
+      if (seen.triangles > 0 && first.triangles === undefined) Object.assign(first, seen, { picture: window.meshfront.picture() });
+      requestAnimationFrame(look);
+    };
+    requestAnimationFrame(look);
+  });
+  await open(page, "?tolerance=3&panel=0", thin);
+  const first = await page.evaluate(() => (window as unknown as { first: { triangles: number; up: number[]; ready: boolean; picture: string } }).first);
+  // 65 x 65 of 513 x 513 heights.
+  expect(first).toMatchObject({ triangles: 2 * 64 * 64, ready: false });
+  const up = await page.evaluate(() => {
+    const { x, y, z } = window.meshfront.objects[0]!.quaternion;
+    return [x, y, z];
+  });
+  expect(up).toEqual(first.up);
+  expect(Math.abs(up[0]!)).toBeGreaterThan(0.5);
+  // Much the same as what comes next.
+  const [coarse, fine] = [decoded(first.picture), await picture(page)];
+  const covered = fine.data.filter((alpha, i) => i % 4 === 3 && alpha > 0).length;
+  expect(pixelmatch(coarse.data, fine.data, undefined, fine.width, fine.height)).toBeLessThan(0.3 * covered);
+  await shot(page, "terrain-fine");
+  writeFileSync(join(screenshots, "terrain-first.png"), PNG.sync.write(coarse));
+  thin.stop();
+  ground.stop();
 });
 
 /** Drops files on the page, as a file manager does. */
@@ -164,15 +201,95 @@ test("a file from a later version, in two languages", async ({ page }) => {
   later.stop();
 });
 
-test("more memory than there is, and a server that is gone", async ({ page }) => {
-  // An engine that answers as the real one does where memory ends.
-  const answer = `onmessage = ({ data }) => postMessage({ id: data.id, type: "failed", kind: "memory", message: "small.front needs 9.1 GB" });`;
-  await page.route("**/worker-*.js", async (route) => route.fulfill({ response: await route.fetch(), body: answer }));
-  await page.goto(server.url);
-  await expect(page.getByRole("alert")).toContainText("needs more memory than the browser gives");
-  await expect(page.getByRole("alert")).toContainText("small.front needs 9.1 GB");
-  await expect(page.getByRole("alert")).toContainText("Close other tabs");
-  await page.unroute("**/worker-*.js");
+/** The engine gets so many bytes of memory and no more. */
+const memory = (page: Page, bytes: number) => page.route("**/*.wasm", async (route) => {
+  const response = await route.fetch();
+  await route.fulfill({ response, body: limited(await response.body(), bytes) });
+});
+/** Somebody turns the model, and it follows. */
+async function turn(page: Page): Promise<void> {
+  const before = await page.evaluate(() => window.meshfront.camera.position.toArray());
+  await page.locator("#picture").press("ArrowLeft");
+  await expect.poll(() => page.evaluate(() => window.meshfront.camera.position.toArray())).not.toEqual(before);
+}
+
+test("a model that needs more memory than the browser gives", async ({ page }) => {
+  const errors: Error[] = [];
+  page.on("pageerror", (error) => errors.push(error));
+  const large = await view(model);
+  await memory(page, 10e6);
+  await page.goto(large.url);
+  const alert = page.getByRole("alert");
+  await expect(alert).toContainText("The model needs more memory than the browser gives");
+  await expect(alert).toContainText("scan.front needs more memory than the browser gives");
+  await expect(alert).toContainText("Close other tabs");
+  await expect(page.getByRole("progressbar")).toBeHidden();
+  await shot(page, "memory");
+  expect(await complaints(page)).toEqual([]);
+  // A smaller one fits, on the same page; and the same when there is more.
+  await drop(page, { name: "small.front", content: readFileSync(small) });
+  await expect(alert).toBeHidden();
+  await expect(page).toHaveTitle(/small/);
+  await page.waitForFunction(() => window.meshfront.stats() !== undefined);
+  await settled(page);
+  await page.unroute("**/*.wasm");
+  await open(page, "", large);
+  expect(errors).toEqual([]);
+  large.stop();
+});
+
+test("memory that ends in flight: the front stays as fine as it got, and the original as well", async ({ page }) => {
+  const large = await view(model);
+  await memory(page, 20e6);
+  await open(page, "?tolerance=40&frustum=0&orientation=0", large);
+  await set(page, "tolerancePx", 0);
+  await page.waitForFunction(() => window.meshfront.stats()!.byteBound);
+  const bound = await settled(page);
+  expect(bound.triangles).toBeGreaterThan(2000);
+  expect(bound.triangles).toBeLessThan(118_000);
+  await expect(page.locator("#bites")).toContainText("The browser gives no more memory");
+  await expect(page.getByRole("alert")).toBeHidden();
+  await turn(page);
+  await set(page, "divider", 0.5);
+  await page.waitForFunction(() => window.meshfront.original);
+  await expect(page.locator("#divider")).toContainText("Original, limited to ");
+  await set(page, "divider", undefined);
+  await set(page, "tolerancePx", 10);
+  const coarse = await settled(page);
+  expect(coarse.errorPx).toBeLessThanOrEqual(10);
+  await expect(page.locator("#bites")).toBeHidden();
+  await turn(page);
+  large.stop();
+});
+
+test("an engine that ends in flight: what is drawn stays, and the model can be opened again", async ({ page }) => {
+  const errors: Error[] = [];
+  page.on("pageerror", (error) => errors.push(error));
+  const large = await view(model);
+  await memory(page, 20e6);
+  await open(page, "?tolerance=40&frustum=0&orientation=0", large);
+  const before = await picture(page);
+  // All at once, so that nothing is told on the way.
+  await page.evaluate(() => {
+    const { budget } = window.meshfront.objects[0] as unknown as { budget: { deadlineMs: number } };
+    budget.deadlineMs = 1e6;
+    window.meshfront.setTolerance(0);
+  });
+  const alert = page.getByRole("alert");
+  await expect(alert).toContainText("The model needs more memory than the browser gives");
+  await page.getByRole("button", { name: "Close" }).click();
+  await expect(alert).toBeHidden();
+  expect(pixelmatch(before.data, (await picture(page)).data, undefined, before.width, before.height)).toBe(0);
+  await turn(page);
+  await drop(page, { name: "small.front", content: readFileSync(small) });
+  await expect(page).toHaveTitle(/small/);
+  await page.waitForFunction(() => window.meshfront.stats() !== undefined);
+  await settled(page);
+  expect(errors).toEqual([]);
+  large.stop();
+});
+
+test("a server that is gone", async ({ page }) => {
   const other = await view(small);
   await open(page, "", other);
   other.stop();

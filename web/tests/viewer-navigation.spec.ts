@@ -1,4 +1,4 @@
-/** Getting around: by mouse, fingers and keys, sides, flying, axes, and views that can be sent to somebody. */
+/** Getting around: by mouse and keys, sides, flying, axes, and views that can be sent to somebody. */
 
 import { expect, test, type Page } from "@playwright/test";
 import pixelmatch from "pixelmatch";
@@ -49,29 +49,6 @@ test("mouse: turn, move, and nearer to what is under the pointer", async ({ page
   const distance = length(minus(there, await eye(page)));
   expect(distance).toBeLessThan(0.6 * length(minus(there, turned)));
   expect(length(minus(now, there))).toBeLessThan(0.05 * distance);
-});
-
-test("fingers: one turns, two go nearer", async ({ browser }) => {
-  const page = await browser.newPage({ hasTouch: true, viewport: { width: 400, height: 600 }, reducedMotion: "reduce" });
-  await open(page, "?panel=0", server);
-  const client = await page.context().newCDPSession(page);
-  const touch = (type: string, ...points: [number, number][]) =>
-    client.send("Input.dispatchTouchEvent", { type: type as "touchStart", touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
-  const start = await eye(page);
-  await touch("touchStart", [200, 300]);
-  await touch("touchMove", [240, 310]);
-  await touch("touchMove", [280, 320]);
-  await touch("touchEnd");
-  await settled(page);
-  const turned = await eye(page);
-  expect(length(minus(turned, start))).toBeGreaterThan(0.2);
-  await touch("touchStart", [180, 300], [220, 300]);
-  await touch("touchMove", [150, 300], [250, 300]);
-  await touch("touchMove", [120, 300], [280, 300]);
-  await touch("touchEnd");
-  await settled(page);
-  expect(length(await eye(page))).toBeLessThan(0.8 * length(turned));
-  await page.close();
 });
 
 test("a turn runs out slowly, unless motion is to be reduced", async ({ page }) => {

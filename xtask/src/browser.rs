@@ -1,6 +1,7 @@
-//! A Chromium to look at the page with.
+//! Browsers to look at the page with.
 
 use std::path::PathBuf;
+use std::process::Command;
 
 use anyhow::{Result, bail};
 
@@ -37,6 +38,59 @@ pub fn chromium() -> Result<PathBuf> {
         Some(found) => Ok(found),
         None => bail!("{remedy}"),
     }
+}
+
+/// Names another Firefox than the first one found.
+pub const FIREFOX: &str = "MESHFRONT_FIREFOX";
+
+/// An installed Firefox; else it is installed.
+pub fn firefox() -> Result<PathBuf> {
+    if let Some(named) = std::env::var_os(FIREFOX) {
+        let named = PathBuf::from(named);
+        if !named.is_file() {
+            bail!("{FIREFOX} names {}, which is not a file", named.display());
+        }
+        return Ok(named);
+    }
+    let installed = || {
+        let fixed =
+            ["/Applications/Firefox.app/Contents/MacOS/firefox", "C:/Program Files/Mozilla Firefox/firefox.exe"];
+        let anywhere = ["firefox-esr", "firefox"].iter().find_map(|name| on_path(name));
+        anywhere.or_else(|| fixed.iter().map(PathBuf::from).find(|file| file.is_file()))
+    };
+    if let Some(found) = installed() {
+        return Ok(found);
+    }
+    let remedy = format!("no Firefox found: install one, or name one with {FIREFOX}");
+    apt_install(&["firefox-esr"], "a second browser for the page's tests", &remedy)?;
+    match installed() {
+        Some(found) => Ok(found),
+        None => bail!("{remedy}"),
+    }
+}
+
+/// A command on a screen: Firefox without one has no WebGL. Where there is none, Xvfb makes one up, and Mesa draws in software.
+pub fn on_a_screen(command: Command) -> Result<Command> {
+    let has_screen = ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|name| std::env::var_os(name).is_some());
+    if has_screen || !cfg!(target_os = "linux") {
+        return Ok(command);
+    }
+    if on_path("xvfb-run").is_none() {
+        let remedy = "no screen for Firefox: run this in a desktop session, or install xvfb";
+        apt_install(&["xvfb", "xauth", "libgl1-mesa-dri"], "a screen for Firefox", remedy)?;
+    }
+    let mut framed = crate::step::command("xvfb-run");
+    framed.arg("-a").arg(command.get_program()).args(command.get_args());
+    if let Some(folder) = command.get_current_dir() {
+        framed.current_dir(folder);
+    }
+    for (name, value) in command.get_envs() {
+        match value {
+            Some(value) => framed.env(name, value),
+            None => framed.env_remove(name),
+        };
+    }
+    Ok(framed)
 }
 
 fn installed() -> Option<PathBuf> {

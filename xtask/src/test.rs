@@ -98,6 +98,7 @@ pub fn test(all: bool) -> Result<()> {
     });
     steps.run("cargo deny", || deny(all));
     if all {
+        steps.run_after(page, "page in Firefox", || page_in_firefox(&demo::release_binary()?));
         steps.run_after(page, "long tests", || {
             let mut long = cargo();
             long.args(["test", "--locked", "--release"]).args(OURS).args(["--", "--ignored"]);
@@ -140,6 +141,22 @@ fn page_in_a_browser(meshfront: &Path, all: bool) -> Result<Outcome> {
         playwright.args(["--", "--grep-invert", LONG]);
     }
     run(&mut playwright, "screenshots are in target/screenshots").map(passed)
+}
+
+/// Not everywhere can it be installed: then the step is skipped, and says why.
+fn page_in_firefox(meshfront: &Path) -> Result<Outcome> {
+    let firefox = match browser::firefox() {
+        Ok(firefox) => firefox,
+        // One that was named has to be there.
+        Err(why) if std::env::var_os(browser::FIREFOX).is_some() => return Err(why),
+        Err(why) => return Ok(Outcome::Skipped(format!("{why:#}"))),
+    };
+    let mut playwright = npm();
+    playwright.args(["run", "test:firefox"]).env(browser::FIREFOX, firefox).env("MESHFRONT_BIN", meshfront);
+    match browser::on_a_screen(playwright) {
+        Ok(mut framed) => run(&mut framed, "screenshots are in target/screenshots").map(passed),
+        Err(why) => Ok(Outcome::Skipped(format!("{why:#}"))),
+    }
 }
 
 /// Licences, sources and duplicates of what we depend on; with `all` also known vulnerabilities.

@@ -212,6 +212,14 @@ pub(crate) fn start<'a>(bytes: &'a [u8], known: &[&'static str]) -> Option<(&'a 
     Some((model, (0..count).filter_map(row).collect()))
 }
 
+/// As much of a section as lies within the first bytes of a file, checksum or not; for one whose parts have their own.
+pub(crate) fn start_of<'a>(bytes: &'a [u8], name: &str) -> Option<&'a [u8]> {
+    let (_, count, _) = start_header(bytes, "").ok()?;
+    let row = (0..count).map(|row| Row::of(bytes, row)).find(|row| row.letters == name.as_bytes())?;
+    let there = bytes.get(usize::try_from(row.offset).ok()?..)?;
+    Some(&there[..usize::try_from(row.length).ok()?.min(there.len())])
+}
+
 /// The sections of a file, in order; those that may be passed over are, if not among `known`.
 ///
 /// When this returns, every byte of the file has been covered by a checksum that was right, and the sections lie one

@@ -66,19 +66,23 @@ pub fn decode(bytes: &[u8], file: &str) -> Result<Stored, ReadError> {
     })
 }
 
-/// The base mesh from the first bytes of a file, to be shown while the rest arrives. The hierarchies of meshes have it within some
-/// tens of kilobytes, with a checksum of its own.
+/// A surface from the first bytes of a file, to be shown while the rest arrives: the base mesh, which hierarchies of meshes have within
+/// some tens of kilobytes, with a checksum of its own; of a terrain, whose base is little more than its corners, the heights that
+/// come first, up to 16,384 of them.
 ///
-/// `None` as long as the bytes do not reach, for terrains, whose base is little more than their corners, and where anything is
-/// wrong: [`decode`] tells what.
+/// `None` as long as the bytes do not reach, and where anything is wrong: [`decode`] tells what.
 pub fn base(start: &[u8]) -> Option<TriangleMesh> {
-    let (model, sections) = container::start(start, &["META", "BASE", "BNRM", "BCOL"])?;
-    let own_flags = match Model::of_name(model)? {
-        Model::RightTriangles => return None,
-        Model::EdgeCollapse | Model::VertexPair => 0,
-        Model::VertexRemoval => vertex_removal::CONNECTIVITY,
-    };
-    edge_collapse::base_of(&sections, own_flags)
+    let (name, sections) = container::start(start, &["META", "MASK", "BASE", "BNRM", "BCOL", "HTAB"])?;
+    match Model::of_name(name)? {
+        Model::RightTriangles => right_triangles::base_of(&sections, container::start_of(start, "HGTS")?),
+        Model::EdgeCollapse | Model::VertexPair => edge_collapse::base_of(&sections, 0),
+        Model::VertexRemoval => edge_collapse::base_of(&sections, vertex_removal::CONNECTIVITY),
+    }
+}
+
+/// The model of a file, from its first bytes.
+pub fn model_of(start: &[u8]) -> Option<Model> {
+    container::start(start, &[]).and_then(|(name, _)| Model::of_name(name))
 }
 
 /// What a file that lies in memory holds. `file` is what errors call it.

@@ -8,10 +8,12 @@
 //! Heights come level by level, each as its difference from the mean of the corners around it, which are known by then:
 //! what smooth ground leaves of that is small.
 
-use glam::DVec2;
+use std::ops::{Range, RangeInclusive};
+
+use glam::{DVec2, Vec2};
 use meshfront_hierarchies::SourceCounts;
 use meshfront_hierarchies::right_triangles::{Columns, Lattice, Place, Site, Steps};
-use meshfront_mesh::Unit;
+use meshfront_mesh::{TriangleMesh, Unit, VertexId};
 
 use crate::container::{self, Section, checksum, u32_at, u64_at};
 #[cfg(feature = "write")]
@@ -38,6 +40,10 @@ const ROW: usize = 8;
 /// A byte of a page stands for at most so many samples: what a file can make its reader allocate is bounded by its
 /// length.
 const MOST_PER_BYTE: usize = 32;
+/// More runs than these are not walked through for a first picture.
+const MOST_RUNS: u32 = 1 << 22;
+/// Heights are below it.
+const MOST_HEIGHT: f32 = 1e9;
 /// Bits of the first number of META.
 const HAS_STEPS: u32 = 1;
 const HAS_MISSING: u32 = 2;
@@ -74,12 +80,12 @@ fn height(steps: Option<Steps>, number: u32) -> f32 {
 
 /// What a sample is expected to be: the mean of the corners around it that are there.
 #[inline]
-fn expected(lattice: &Lattice, site: &Site, at: impl Fn(usize) -> Option<u32>) -> u32 {
+fn expected(lattice: &Lattice, site: &Site, at: impl Fn(i32, i32) -> Option<u32>) -> u32 {
     let (mut sum, mut count) = (0i64, 0i64);
     for [dx, dy] in site.corners() {
         let (x, y) = (site.x + dx, site.y + dy);
         if lattice.contains(x, y)
-            && let Some(number) = at(y as usize * lattice.columns as usize + x as usize)
+            && let Some(number) = at(x, y)
         {
             (sum, count) = (sum + number as i32 as i64, count + 1);
         }
@@ -145,8 +151,10 @@ pub fn encode(columns: &Columns) -> Result<Vec<u8>, crate::EncodeError> {
     }
     let lattice = Lattice::new(columns.columns, columns.rows);
     let has_missing = columns.heights.iter().any(|h| h.is_nan());
-    let at = |i: usize| Some(columns.heights[i]).filter(|h| !h.is_nan()).map(|h| number(steps, h));
-    let index = |x: i32, y: i32| y as usize * lattice.columns as usize + x as usize;
+    let at = |x: i32, y: i32| {
+        let height = columns.heights[y as usize * lattice.columns as usize + x as usize];
+        (!height.is_nan()).then(|| number(steps, height))
+    };
 
     let ids: Vec<_> = (0..lattice.len()).step_by(PAGE_SAMPLES).collect();
     let pages = map_all(ids, |first| {
@@ -155,7 +163,7 @@ pub fn encode(columns: &Columns) -> Result<Vec<u8>, crate::EncodeError> {
         let (mut models, mut class): ([IntModel; CONTEXTS], usize) = (int_models(), 0);
         for id in first..last {
             let site = lattice.site(id as u32);
-            if let Some(number) = at(index(site.x, site.y)) {
+            if let Some(number) = at(site.x, site.y) {
                 let residual = number.wrapping_sub(expected(&lattice, &site, at)) as i32;
                 class = encode_int(&mut encoder, &mut models[context(class)], residual);
             }
@@ -171,7 +179,7 @@ pub fn encode(columns: &Columns) -> Result<Vec<u8>, crate::EncodeError> {
         table.extend_from_slice(&(page.len() as u32).to_le_bytes());
         table.extend_from_slice(&checksum(page).to_le_bytes());
     }
-    let corners = lattice.corners().map(|[x, y]| at(index(x, y)).unwrap_or(0).to_le_bytes());
+    let corners = lattice.corners().map(|[x, y]| at(x, y).unwrap_or(0).to_le_bytes());
     let base = corners.collect::<Vec<_>>().concat();
 
     let stored = |name, bytes| Part { name, codec: Codec::Stored, bytes };
@@ -204,7 +212,8 @@ fn encode_mask(heights: &[f32]) -> Vec<u8> {
     bytes
 }
 
-fn decode_mask(section: Section, samples: usize) -> Result<Vec<bool>, Fault> {
+/// Calls `run` with samples that follow each other, and whether they are missing.
+fn decode_runs(section: Section, samples: usize, mut run: impl FnMut(Range<usize>, bool)) -> Result<(), Fault> {
     if section.bytes.len() < 4 {
         return Err(section.fault(0, "length"));
     }
@@ -214,18 +223,25 @@ fn decode_mask(section: Section, samples: usize) -> Result<Vec<bool>, Fault> {
     }
     let mut decoder = Decoder::new(&section.bytes[4..]);
     let mut models: [IntModel; 2] = int_models();
-    let mut missing = vec![];
-    missing.try_reserve_exact(samples).map_err(|_| section.fault(0, "too many samples for this machine's memory"))?;
+    let mut at = 0;
     for i in 0..runs {
-        let (run, _) = decode_int(&mut decoder, &mut models[i % 2]);
-        if run < 0 || run as usize > samples - missing.len() || (run == 0 && i > 0) {
+        let (length, _) = decode_int(&mut decoder, &mut models[i % 2]);
+        if length < 0 || length as usize > samples - at || (length == 0 && i > 0) {
             return Err(section.fault(4, "a run of samples is too long or empty"));
         }
-        missing.resize(missing.len() + run as usize, i % 2 == 1);
+        run(at..at + length as usize, i % 2 == 1);
+        at += length as usize;
     }
-    if missing.len() != samples || !decoder.finish() {
+    if at != samples || !decoder.finish() {
         return Err(section.fault(4, "runs do not add up to all samples"));
     }
+    Ok(())
+}
+
+fn decode_mask(section: Section, samples: usize) -> Result<Vec<bool>, Fault> {
+    let mut missing = vec![];
+    missing.try_reserve_exact(samples).map_err(|_| section.fault(0, "too many samples for this machine's memory"))?;
+    decode_runs(section, samples, |run, is_missing| missing.resize(run.end, is_missing))?;
     Ok(missing)
 }
 
@@ -421,7 +437,10 @@ fn decode_opened(opened: &Opened) -> Result<Columns, Fault> {
             let site = lattice.site(id);
             let i = index(site.x, site.y);
             if !is_missing(i) {
-                let expected = expected(&lattice, &site, |i| (!is_missing(i)).then(|| numbers[i]));
+                let expected = expected(&lattice, &site, |x, y| {
+                    let i = index(x, y);
+                    (!is_missing(i)).then(|| numbers[i])
+                });
                 numbers[i] = expected.wrapping_add(residual as u32);
             }
             id += 1;
@@ -432,6 +451,91 @@ fn decode_opened(opened: &Opened) -> Result<Columns, Fault> {
     let columns = meta.columns_of(heights);
     columns.check().map_err(|_| opened.section("HGTS").fault(0, "a height is not a number below 1e9"))?;
     Ok(columns)
+}
+
+/// A coarse surface from the first bytes of a file: of the samples whose heights come first, those on the finest grid that is there
+/// as a whole. `body` is what is there of the pages. It covers holes that are smaller than its cells, and ends where its last cell
+/// does.
+pub(crate) fn base_of(sections: &[Section], body: &[u8]) -> Option<TriangleMesh> {
+    let get = |name: &str| sections.iter().find(|s| s.name == name).copied();
+    let meta = decode_meta(get("META")?).ok()?;
+    let (lattice, table) = (Lattice::new(meta.columns, meta.rows), get("HTAB")?);
+    if table.bytes.len() != ROW * lattice.len().div_ceil(PAGE_SAMPLES) {
+        return None;
+    }
+    let page = match table.bytes {
+        [] => &[][..],
+        row => body.get(..u32_at(row, 0) as usize).filter(|page| checksum(page) == u32_at(row, 4))?,
+    };
+    // Every second level completes a grid.
+    let whole = lattice.levels().enumerate().filter(|(i, level)| i % 2 == 1 && level.end <= PAGE_SAMPLES).last();
+    let (end, step) = whole.map_or((0, lattice.side), |(i, level)| (level.end, lattice.side >> (i / 2 + 1)));
+    let [across, along] = [lattice.columns, lattice.rows].map(|samples| (samples - 1) / step + 1);
+    let index = |x: i32, y: i32| (y / step) as usize * across as usize + (x / step) as usize;
+    let length = across as usize * along as usize;
+
+    let mut missing = vec![false; length];
+    if meta.flags & HAS_MISSING != 0 {
+        let columns = meta.columns as usize;
+        let mask = get("MASK").filter(|mask| mask.bytes.len() >= 4 && u32_at(mask.bytes, 0) <= MOST_RUNS)?;
+        let on_grid = |samples: RangeInclusive<usize>| {
+            (samples.start().next_multiple_of(step as usize)..=*samples.end()).step_by(step as usize)
+        };
+        let mark = |run: Range<usize>, is_missing: bool| {
+            if !is_missing || run.is_empty() {
+                return;
+            }
+            let [first, last] = [run.start, run.end - 1].map(|i| [i % columns, i / columns]);
+            for y in on_grid(first[1]..=last[1]) {
+                let from = if y == first[1] { first[0] } else { 0 };
+                let to = if y == last[1] { last[0] } else { columns - 1 };
+                on_grid(from..=to).for_each(|x| missing[index(x as i32, y as i32)] = true);
+            }
+        };
+        decode_runs(mask, columns * meta.rows as usize, mark).ok()?;
+    }
+    let mut numbers = vec![0u32; length];
+    let corners = get("BASE")?.bytes.as_chunks::<4>().0;
+    if corners.len() != lattice.corners().count() {
+        return None;
+    }
+    for ([x, y], bytes) in lattice.corners().zip(corners) {
+        numbers[index(x, y)] = u32::from_le_bytes(*bytes);
+    }
+    if end > 0 {
+        let mut decoder = Decoder::new(page.get(4..4usize.checked_add(u32_at(page.get(..4)?, 0) as usize)?)?);
+        let (mut models, mut class): ([IntModel; CONTEXTS], usize) = (int_models(), 0);
+        for id in 0..end {
+            let site = lattice.site(id as u32);
+            let i = index(site.x, site.y);
+            if missing[i] {
+                continue;
+            }
+            let residual;
+            (residual, class) = decode_int(&mut decoder, &mut models[context(class)]);
+            let at = |x: i32, y: i32| (!missing[index(x, y)]).then(|| numbers[index(x, y)]);
+            numbers[i] = expected(&lattice, &site, at).wrapping_add(residual as u32);
+        }
+    }
+
+    let mut mesh = TriangleMesh::default();
+    let mut vertices = vec![None; length];
+    for (i, &number) in numbers.iter().enumerate().filter(|&(i, _)| !missing[i]) {
+        let height = height(meta.steps, number);
+        if height.is_nan() || height.abs() >= MOST_HEIGHT {
+            return None;
+        }
+        let [x, y] = [i % across as usize, i / across as usize].map(|n| (n * step as usize) as f32);
+        vertices[i] = Some(VertexId(mesh.positions.len() as u32));
+        mesh.positions.push((Vec2::new(x, y) * meta.spacing.as_vec2()).extend(height));
+    }
+    for (x, y) in (0..along - 1).flat_map(|y| (0..across - 1).map(move |x| (x, y))) {
+        let at = |dx: i32, dy: i32| vertices[((y + dy) * across + x + dx) as usize];
+        let [sw, se, nw, ne] = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+        let halves = if (x + y) % 2 == 0 { [[sw, se, ne], [sw, ne, nw]] } else { [[sw, se, nw], [se, ne, nw]] };
+        mesh.triangles.extend(halves.into_iter().filter_map(|[a, b, c]| Some([a?, b?, c?])));
+    }
+    (!mesh.triangles.is_empty()).then_some(mesh)
 }
 
 /// What a file that lies in memory holds. `file` is what errors call it. Pages are not unpacked.

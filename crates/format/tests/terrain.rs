@@ -5,7 +5,7 @@ mod common;
 use common::Random;
 use common::checksums::repair;
 use common::damage::{is_checked, unnoticed};
-use glam::DVec2;
+use glam::{DVec2, Vec3};
 use meshfront_format::right_triangles::{decode, encode, inspect};
 use meshfront_format::{EncodeError, ReadError};
 use meshfront_hierarchies::right_triangles::{Columns, InvalidHeights, Place, Steps};
@@ -110,4 +110,51 @@ fn heights_between_steps_are_refused() {
     let mut columns = columns(9, 7, STEPS, 0, 3);
     columns.heights[5] += 0.1;
     assert_eq!(encode(&columns), Err(EncodeError::Heights(InvalidHeights::OffStep(5))));
+}
+
+/// A surface for the time until the rest is there, from as much of the file as holds the coarsest heights.
+#[test]
+fn a_coarse_surface_is_read_from_the_start_of_a_file() {
+    for (w, h, missing, step) in [
+        (300, 250, 0, 4),
+        (300, 250, 20, 4),
+        (257, 257, 0, 4),
+        (1025, 400, 1, 8),
+        (100, 90, 0, 1),
+        (3, 2, 0, 1),
+        (2, 2, 0, 1),
+    ] {
+        let columns = columns(w, h, STEPS, missing, 11);
+        let bytes = encode(&columns).unwrap();
+        let read = |n: usize| meshfront_format::base(&bytes[..n]);
+        let reaches = (0..=bytes.len()).find(|&n| read(n).is_some()).expect("a surface");
+        assert!(w < 1000 || reaches < bytes.len() / 7, "{reaches} of {}", bytes.len());
+        let surface = read(reaches).unwrap();
+        assert_eq!(read(bytes.len()).unwrap(), surface);
+        // All samples of a grid, and no others, as high as they are.
+        let heights = columns.heights.chunks_exact(w as usize).step_by(step).enumerate().flat_map(|(y, row)| {
+            let row = row.iter().step_by(step).enumerate().map(move |(x, &height)| (x, y, height));
+            row.filter(|(.., height)| !height.is_nan())
+        });
+        let place = |n: usize, spacing: f64| (n * step) as f32 * spacing as f32;
+        let expected: Vec<_> =
+            heights.map(|(x, y, height)| Vec3::new(place(x, 30.0), place(y, 28.5), height)).collect();
+        assert_eq!(surface.positions, expected, "{w} × {h}");
+        let [across, along] = [w, h].map(|samples| (samples as usize - 1) / step);
+        if missing == 0 {
+            assert_eq!(surface.triangles.len(), 2 * across * along);
+        }
+        for t in &surface.triangles {
+            let [a, b, c] = t.map(|v| surface.positions[v.0 as usize]);
+            assert!((b - a).cross(c - a).z > 0.0, "seen from above");
+        }
+        // Nothing else is ever taken for it.
+        for at in (0..reaches).step_by(1 + reaches / 500) {
+            let mut altered = bytes[..reaches].to_vec();
+            altered[at] ^= 0x10;
+            if let Some(other) = meshfront_format::base(&altered) {
+                assert_eq!(other, surface, "byte {at}");
+            }
+        }
+    }
 }

@@ -9,6 +9,8 @@ mod memory;
 mod ranges;
 mod shade;
 
+use std::hint::black_box;
+
 use glam::Vec3;
 use meshfront_format::ReadError;
 use meshfront_hierarchies::live::TriangleBuffers;
@@ -29,6 +31,9 @@ const SPARE: usize = 2;
 /// The most ranges of one update, per kind of slot.
 const MOST_RANGES: usize = 1024;
 
+/// What any call may need of memory, bytes.
+const ROOM: usize = 2 << 20;
+
 /// Which part of opening a file is unpacking it.
 const UNPACKING: f32 = 0.2;
 
@@ -46,7 +51,8 @@ fn clock_us() -> u64 {
     (now() * 1000.0) as u64
 }
 
-/// Opened files with one front each, that share a budget and a deadline.
+/// Opened files with one front each, that share a budget and a deadline. Sessions know nothing of each other but the hierarchies that
+/// their fronts may share: the limits of one are none of the other.
 #[wasm_bindgen]
 #[derive(Default)]
 pub struct Session {
@@ -57,6 +63,10 @@ pub struct Session {
     /// Time in the engine of the last call, milliseconds.
     engine_ms: f64,
 }
+
+/// A front that belongs to no session yet.
+#[wasm_bindgen]
+pub struct LooseFront(Box<dyn AnySurface>);
 
 struct Model {
     front: Box<dyn AnySurface>,
@@ -109,13 +119,17 @@ impl Session {
         Ok(self.add(hierarchy.into_front()))
     }
 
-    /// Another front of an open model, at the base mesh; gives its number. Both share the hierarchy.
+    /// Another front of an open model, at the base mesh, for `join` of this session or of another. They share the hierarchy.
     ///
     /// # Errors
     /// A `RangeError` where no such model is open.
-    pub fn duplicate(&mut self, model: usize) -> Result<usize, js_sys::RangeError> {
-        let another = self.get(model)?.front.another();
-        Ok(self.add(another))
+    pub fn another(&self, model: usize) -> Result<LooseFront, js_sys::RangeError> {
+        Ok(LooseFront(self.get(model)?.front.another()))
+    }
+
+    /// Takes a front in; gives its number.
+    pub fn join(&mut self, front: LooseFront) -> usize {
+        self.add(front.0)
     }
 
     /// Forgets a model. Its number is not given again.
@@ -197,6 +211,7 @@ impl Session {
     /// first. Limits are for all models together, those included that stay as they are: `max_triangles` (`u32::MAX` for
     /// no limit), and `max_bytes` (infinite for none) for what fronts and the page's buffers take. Then ask for the `frame` of each.
     ///
+    /// Where the browser gives no more memory, fronts have as many triangles as they have: that counts as a budget of bytes.
     /// Where memory has to be given back, fronts start again from their base meshes, and the deadline is not kept.
     pub fn adapt(&mut self, max_triangles: u32, max_bytes: f64, deadline_us: u32) {
         let start = now();
@@ -347,7 +362,9 @@ impl Session {
 
     /// Adapts all models that are looked at, and keeps the looks.
     fn run(&mut self, max_triangles: u32, deadline_us: Option<u32>) {
-        let by_bytes = self.cap.map(|cap| cap.triangles()).filter(|&triangles| triangles < max_triangles as usize);
+        let full = (!self.has_room()).then(|| self.held().0);
+        let by_bytes = self.cap.map(|cap| cap.triangles()).into_iter().chain(full).min();
+        let by_bytes = by_bytes.filter(|&triangles| triangles < max_triangles as usize);
         let max_cells = by_bytes.or((max_triangles != u32::MAX).then_some(max_triangles as usize));
         // One tolerance for all: where a model has a larger one, its pixels count for less.
         let looks = self.models.iter().flatten().flat_map(|model| &model.looks);
@@ -388,6 +405,18 @@ impl Session {
             outcome.error_px /= factor;
             *byte_bound = outcome.budget_bound && by_bytes.is_some();
         }
+    }
+
+    /// Whether there is memory for what a call may need: fronts' columns that double, and copies of what changed. An allocation
+    /// that fails half way takes the engine down; fronts that grow no more are only less fine.
+    fn has_room(&self) -> bool {
+        let fronts = self.models.iter().flatten().filter(|model| !model.looks.is_empty());
+        let most = ROOM + 2 * fronts.map(Model::memory_bytes).sum::<usize>();
+        let mut room = Vec::<u8>::new();
+        let has = room.try_reserve_exact(most).is_ok();
+        // Or the compiler would see that nobody uses it, and not ask.
+        black_box(room);
+        has
     }
 
     /// Triangles of all fronts, and the bytes of what a cap is for.

@@ -14,7 +14,7 @@ export interface OpenOptions {
   name?: string;
   /** Told while the file arrives and is checked. */
   onProgress?: (progress: OpenProgress) => void;
-  /** Given the base mesh as soon as that is there, once, before the model is open. Terrains have none. */
+  /** Given the base mesh as soon as that is there, once, before the model is open. */
   onBase?: (base: BaseMesh) => void;
   /** Gives up: `open` rejects with kind `closed`. */
   signal?: AbortSignal;
@@ -29,6 +29,7 @@ export interface ClientModel {
 }
 
 interface Waiting {
+  group: number;
   resolve(answer: Answer): void;
   reject(error: MeshfrontError): void;
   onNotice: ((notice: Notice) => void) | undefined;
@@ -42,19 +43,22 @@ interface Pending {
 }
 
 /**
- * A worker with models that share a triangle budget and a deadline.
+ * Models in a worker that share a triangle budget and a deadline. The worker may have more of them, for other clients, whose limits are
+ * their own: `new MeshfrontClient(another)`.
  *
  * At most one `adapt` is on its way at a time. Those that come meanwhile wait, and only the last of them is asked for:
  * the worker never works off a queue of views that nobody looks from any more.
  */
 export class MeshfrontClient {
   private readonly line: Line;
+  private readonly group: number;
   private busy = false;
   private pending: Pending | undefined;
 
-  /** @param start starts the worker; by default the one of this package */
-  constructor(start: () => WorkerPort = startWorker) {
-    this.line = new Line(start());
+  /** @param worker starts it, by default the one of this package; or another client, whose worker is used */
+  constructor(worker: (() => WorkerPort) | MeshfrontClient = startWorker) {
+    this.line = worker instanceof MeshfrontClient ? worker.line : new Line(worker());
+    this.group = this.line.join();
   }
 
   /**
@@ -65,7 +69,6 @@ export class MeshfrontClient {
    */
   async open(source: string | URL | ArrayBuffer, options: OpenOptions = {}): Promise<ClientModel> {
     const { onProgress, onBase, signal } = options;
-    const closed = () => new MeshfrontError("closed", "the model was closed");
     if (signal?.aborted) throw closed();
     const name = options.name ?? (source instanceof ArrayBuffer ? "the file" : String(source).split("/").pop()!);
     const onNotice = (notice: Notice) => {
@@ -75,8 +78,8 @@ export class MeshfrontClient {
     };
     const answer =
       source instanceof ArrayBuffer
-        ? this.line.ask({ type: "open", source, name }, [source], onNotice)
-        : this.line.ask({ type: "open", source: new URL(source, document.baseURI).href, name }, [], onNotice);
+        ? this.ask({ type: "open", source, name }, [source], onNotice)
+        : this.ask({ type: "open", source: new URL(source, document.baseURI).href, name }, [], onNotice);
     const opened = answer.then((answer) => expected(answer, "opened"));
     if (!signal) return opened;
     return new Promise((resolve, reject) => {
@@ -111,7 +114,7 @@ export class MeshfrontClient {
    * the slot is free.
    */
   async inspect(model: number, frame: number, triangle: number): Promise<Inspection | undefined> {
-    return expected(await this.line.ask({ type: "inspect", model, frame, triangle }), "inspected").inspection;
+    return expected(await this.ask({ type: "inspect", model, frame, triangle }), "inspected").inspection;
   }
 
   /**
@@ -119,32 +122,44 @@ export class MeshfrontClient {
    * numbers each, mesh space. Looks at the whole front.
    */
   async spheres(model: number, most: number): Promise<Float32Array> {
-    return expected(await this.line.ask({ type: "spheres", model, most }), "spheres").spheres;
+    return expected(await this.ask({ type: "spheres", model, most }), "spheres").spheres;
   }
 
-  /** Another front of an open model, at the base mesh. They share the hierarchy. */
+  /** Another front of a model that this client or another of the same worker has open, at the base mesh. They share the hierarchy. */
   async duplicate(model: number): Promise<ClientModel> {
-    return expected(await this.line.ask({ type: "duplicate", model }), "opened");
+    return expected(await this.ask({ type: "duplicate", model }), "opened");
   }
 
-  /** Memory of the engine as a whole, bytes: hierarchies, fronts, and what was freed, which WebAssembly keeps. */
+  /**
+   * Memory of the engine as a whole, bytes: hierarchies, fronts of all clients, and what was freed, which is used again, but which
+   * WebAssembly keeps as long as the worker lives.
+   */
   async memory(): Promise<number> {
-    return expected(await this.line.ask({ type: "memory" }), "memory").bytes;
+    return expected(await this.ask({ type: "memory" }), "memory").bytes;
   }
 
   /** Flies once around a model inside the worker; its front starts and ends as it was. Takes seconds. */
   async flyBy(model: number): Promise<FlyByReport> {
-    return expected(await this.line.ask({ type: "fly-by", model }), "flown").report;
+    return expected(await this.ask({ type: "fly-by", model }), "flown").report;
   }
 
   /** Forgets a model. */
   close(model: number): void {
-    this.line.ask({ type: "close", model }).catch(() => {});
+    this.ask({ type: "close", model }).catch(() => {});
   }
 
-  /** Ends the worker. What is on its way is rejected with kind `closed`. */
+  /** Whether the other client's models are in the same worker. */
+  isBeside(other: MeshfrontClient): boolean {
+    return this.line === other.line;
+  }
+
+  /** Forgets all models; the client that started the worker ends it. What is on its way is rejected with kind `closed`. */
   dispose(): void {
-    this.line.close();
+    this.line.leave(this.group);
+  }
+
+  private ask(question: Question, transfer?: Transferable[], onNotice?: (notice: Notice) => void): Promise<Answer> {
+    return this.line.ask(this.group, question, transfer, onNotice);
   }
 
   private async next(): Promise<void> {
@@ -152,7 +167,7 @@ export class MeshfrontClient {
       this.pending = undefined;
       this.busy = true;
       try {
-        const answer = await this.line.ask({ type: "adapt", views: job.views, limits: job.limits });
+        const answer = await this.ask({ type: "adapt", views: job.views, limits: job.limits });
         this.busy = false;
         job.resolve(expected(answer, "adapted").frames);
       } catch (thrown) {
@@ -167,6 +182,8 @@ export class MeshfrontClient {
 class Line {
   private readonly waiting = new Map<number, Waiting>();
   private asked = 0;
+  private readonly groups = new Set<number>();
+  private joined = 0;
   private closed: MeshfrontError | undefined;
 
   constructor(private readonly worker: WorkerPort) {
@@ -183,16 +200,36 @@ class Line {
     worker.onerror = (event) => this.close(new MeshfrontError("engine", event.message || "the worker did not start"));
   }
 
-  ask(question: Question, transfer: Transferable[] = [], onNotice?: (notice: Notice) => void): Promise<Answer> {
+  /** A number for a client; the first one has 0. */
+  join(): number {
+    this.groups.add(this.joined);
+    return this.joined++;
+  }
+
+  /** Without the first client the line is closed. */
+  leave(group: number): void {
+    if (group === 0) return this.close();
+    if (!this.groups.has(group)) return;
+    this.ask(group, { type: "leave" }).catch(() => {});
+    this.groups.delete(group);
+    for (const [id, waiting] of this.waiting) {
+      if (waiting.group !== group) continue;
+      this.waiting.delete(id);
+      waiting.reject(closed());
+    }
+  }
+
+  ask(group: number, question: Question, transfer: Transferable[] = [], onNotice?: (notice: Notice) => void): Promise<Answer> {
     if (this.closed) return Promise.reject(this.closed);
+    if (!this.groups.has(group)) return Promise.reject(closed());
     const id = this.asked++;
     return new Promise((resolve, reject) => {
-      this.waiting.set(id, { resolve, reject, onNotice });
-      this.worker.postMessage({ id, ...question }, transfer);
+      this.waiting.set(id, { group, resolve, reject, onNotice });
+      this.worker.postMessage({ id, group, ...question }, transfer);
     });
   }
 
-  close(why = new MeshfrontError("closed", "the model was closed")): void {
+  private close(why = closed()): void {
     if (this.closed) return;
     this.closed = why;
     this.worker.onmessage = null;
@@ -200,6 +237,10 @@ class Line {
     for (const { reject } of this.waiting.values()) reject(why);
     this.waiting.clear();
   }
+}
+
+function closed(): MeshfrontError {
+  return new MeshfrontError("closed", "the model was closed");
 }
 
 function expected<T extends Answer["type"]>(answer: Answer, type: T): Extract<Answer, { type: T }> {

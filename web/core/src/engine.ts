@@ -3,7 +3,7 @@
 import init, { baseOf, Session, Shade as ShadeNumber } from "../wasm/meshfront_wasm.js";
 import { MeshfrontError } from "./errors.js";
 import type { Engine } from "./host.js";
-import type { FlyByReport, FrameUpdate, ModelInfo, Region, Shade, Vec3, View } from "./view.js";
+import type { BaseMesh, FlyByReport, FrameUpdate, ModelInfo, Region, Shade, Vec3, View } from "./view.js";
 
 const NO_LIMIT = 0xffffffff;
 const PAGE_BYTES = 1 << 16;
@@ -13,49 +13,93 @@ const AMPLE_PAGES = (512 << 20) / PAGE_BYTES;
 /** Starts WebAssembly (once); `module` is where the module's bytes are, if not beside this file. */
 export async function startEngine(module?: BufferSource): Promise<Engine> {
   const { memory } = await init({ module_or_path: module ?? new URL("../wasm/meshfront_wasm_bg.wasm", import.meta.url) });
-  const session = new Session();
+  const sessions = new Map<number, Session>();
+  const places = new Map<number, Place>();
+  let models = 0;
+  const sessionOf = (group: number) => {
+    const session = sessions.get(group) ?? new Session();
+    sessions.set(group, session);
+    return session;
+  };
+  const placeOf = (model: number) => {
+    const place = places.get(model);
+    if (!place) throw new RangeError("no such model is open");
+    return place;
+  };
+  const added = (place: Place, bytes: number, decodeMs: number) => {
+    const model = models++;
+    places.set(model, place);
+    return { model, info: infoOf(place, bytes, decodeMs) };
+  };
   return {
     baseOf(start) {
       const base = baseOf(start);
       if (!base) return undefined;
       const { positions, normals, colors, triangles } = base;
       const [min, max] = corners(base.bounds);
+      const up = [...base.up] as unknown as BaseMesh["up"];
       base.free();
-      return { positions, normals, colors, triangles, min, max };
+      return { positions, normals, colors, triangles, min, max, up };
     },
-    open(bytes, name, onProgress) {
+    open(group, bytes, name, onProgress) {
       const start = performance.now();
-      const model = guarded(memory, name, () => session.open(bytes, name, onProgress));
-      return { model, info: infoOf(session, model, bytes.length, performance.now() - start) };
+      const session = sessionOf(group);
+      const number = guarded(memory, name, () => session.open(bytes, name, onProgress));
+      return added({ session, number }, bytes.length, performance.now() - start);
     },
-    duplicate(of) {
-      const model = session.duplicate(of);
-      return { model, info: infoOf(session, model, 0, 0) };
+    duplicate(group, model) {
+      const session = sessionOf(group);
+      const from = placeOf(model);
+      const number = guarded(memory, "another front", () => session.join(from.session.another(from.number)));
+      return added({ session, number }, 0, 0);
     },
-    adapt(views, { maxTriangles, maxBytes, deadlineMs }) {
-      for (const { model, views: each, shade } of views) {
-        for (const view of each) look(session, model, view);
-        session.shade(model, shade && SHADES[shade]);
+    adapt(group, views, { maxTriangles, maxBytes, deadlineMs }) {
+      const session = sessionOf(group);
+      const asked = views.map(({ model, ...view }) => ({ ...view, place: placeOf(model) }));
+      if (asked.some(({ place }) => place.session !== session)) throw new RangeError("a model of another group");
+      for (const { place, views: each, shade } of asked) {
+        for (const view of each) look(place, view);
+        session.shade(place.number, shade && SHADES[shade]);
       }
       const deadlineUs = Math.round(Math.min(1000 * deadlineMs, NO_LIMIT));
       return guarded(memory, "the front", () => {
         session.adapt(Math.min(maxTriangles, NO_LIMIT), maxBytes, deadlineUs);
-        return views.map(({ model, shade }) => frameOf(session, model, shade));
+        return asked.map(({ place, shade }) => frameOf(place, shade));
       });
     },
     inspect(model, frame, triangle) {
-      const found = session.lastFrame(model) === frame ? session.inspect(model, triangle) : undefined;
+      const { session, number } = placeOf(model);
+      const found = session.lastFrame(number) === frame ? session.inspect(number, triangle) : undefined;
       if (!found) return undefined;
       const { update, error, level, coneAngle } = found;
       const [x, y, z, radius] = found.sphere as unknown as [number, number, number, number];
       found.free();
       return { update, error, level, coneAngle, center: [x, y, z], radius };
     },
-    spheres: (model, most) => session.spheres(model, most),
+    spheres(model, most) {
+      const { session, number } = placeOf(model);
+      return session.spheres(number, most);
+    },
     memory: () => memory.buffer.byteLength,
-    flyBy: (model) => flyBy(session, model),
-    close: (model) => session.close(model),
+    flyBy: (model) => flyBy(placeOf(model)),
+    close(model) {
+      const place = places.get(model);
+      places.delete(model);
+      place?.session.close(place.number);
+    },
+    leave(group) {
+      const session = sessions.get(group);
+      sessions.delete(group);
+      for (const [model, place] of places) if (place.session === session) places.delete(model);
+      session?.free();
+    },
   };
+}
+
+/** Where a model is. */
+interface Place {
+  session: Session;
+  number: number;
 }
 
 const SHADES: Record<Shade, ShadeNumber> = {
@@ -91,8 +135,8 @@ function corners(bounds: Float32Array): [Vec3, Vec3] {
   return [[x0, y0, z0], [x1, y1, z1]];
 }
 
-function infoOf(session: Session, model: number, bytes: number, decodeMs: number): ModelInfo {
-  const info = session.info(model);
+function infoOf({ session, number }: Place, bytes: number, decodeMs: number): ModelInfo {
+  const info = session.info(number);
   const [min, max] = corners(info.bounds);
   const up = [...info.up] as unknown as ModelInfo["up"];
   const {
@@ -105,14 +149,14 @@ function infoOf(session: Session, model: number, bytes: number, decodeMs: number
   };
 }
 
-function look(session: Session, model: number, view: View): void {
+function look({ session, number }: Place, view: View): void {
   const { eye, target, up, fovY, width, height, near, tolerancePx, frustum, orientation } = view;
   const camera = Float32Array.of(...eye, ...target, ...up, fovY, width, height, near);
-  session.look(model, camera, tolerancePx, frustum, orientation, regionOf(view.region));
+  session.look(number, camera, tolerancePx, frustum, orientation, regionOf(view.region));
 }
 
-function frameOf(session: Session, model: number, by: Shade | undefined): FrameUpdate {
-  const frame = session.frame(model);
+function frameOf({ session, number }: Place, by: Shade | undefined): FrameUpdate {
+  const frame = session.frame(number);
   const vertices = {
     ranges: frame.takeVertexRanges(),
     positions: frame.takePositions(),
@@ -160,8 +204,8 @@ function regionOf(region: Region | undefined): Float32Array {
   return Float32Array.of(...place, outsideError);
 }
 
-function flyBy(session: Session, model: number): FlyByReport {
-  const flight = session.flyBy(model);
+function flyBy({ session, number }: Place): FlyByReport {
+  const flight = session.flyBy(number);
   const { frames, updatesPerFrame, activeTriangles, evaluationsPerFrame, meanMs, p50Ms, p99Ms, maxMs } = flight;
   flight.free();
   return { frames, updatesPerFrame, activeTriangles, evaluationsPerFrame, meanMs, p50Ms, p99Ms, maxMs };

@@ -5,19 +5,23 @@ import { fetchBytes } from "./fetch.js";
 import type { Answer, ModelView, Notice, Port, Reply, Request } from "./protocol.js";
 import type { BaseMesh, FlyByReport, FrameUpdate, Inspection, Limits, ModelInfo } from "./view.js";
 
-/** Opened models with one front each. Throws what `MeshfrontError.from` understands. */
+/** Opened models with one front each, in groups with limits of their own. Throws what `MeshfrontError.from` understands. */
 export interface Engine {
   /** The base mesh, once the first bytes of a file reach that far. */
   baseOf(start: Uint8Array): BaseMesh | undefined;
   /** Reads a `.front` file, `name` being what messages call it. `onProgress` is told which part of it is done. */
-  open(bytes: Uint8Array, name: string, onProgress: (part: number) => void): { model: number; info: ModelInfo };
-  duplicate(model: number): { model: number; info: ModelInfo };
+  open(group: number, bytes: Uint8Array, name: string, onProgress: (part: number) => void): { model: number; info: ModelInfo };
+  /** Into this group, from whichever. */
+  duplicate(group: number, model: number): { model: number; info: ModelInfo };
   inspect(model: number, frame: number, triangle: number): Inspection | undefined;
   spheres(model: number, most: number): Float32Array;
   memory(): number;
-  adapt(views: ModelView[], limits: Limits): FrameUpdate[];
+  /** All views are of models of this group. */
+  adapt(group: number, views: ModelView[], limits: Limits): FrameUpdate[];
   flyBy(model: number): FlyByReport;
   close(model: number): void;
+  /** Closes all models of a group. */
+  leave(group: number): void;
 }
 
 /** Which part of the way to an open model is over when its file is there. */
@@ -26,8 +30,9 @@ const FETCHING = 0.4;
 /** Answers the requests that arrive on `port`, for ever. The engine is started with the first of them. */
 export function serve(port: Port<Reply, Request>, start: () => Promise<Engine>, fetcher: typeof fetch = fetch): void {
   let engine: Promise<Engine> | undefined;
+  const left = new Set<number>();
 
-  async function open(source: string | ArrayBuffer, name: string, tell: (notice: Notice) => void) {
+  async function open(group: number, source: string | ArrayBuffer, name: string, tell: (notice: Notice) => void) {
     // WebAssembly is compiled while the file arrives.
     const starting = (engine ??= start());
     let started: Engine | undefined;
@@ -53,17 +58,19 @@ export function serve(port: Port<Reply, Request>, start: () => Promise<Engine>, 
     const told = (part: number) => tell({ type: "progress", progress: { loaded, total, fraction: part } });
     told(FETCHING);
     // The end is told when it is there.
-    const model = ready.open(bytes, name, (part) => told(FETCHING + (1 - FETCHING) * Math.min(part, 0.999)));
+    // Nobody is there any more to close it.
+    if (left.has(group)) throw new MeshfrontError("closed", "the model was closed");
+    const model = ready.open(group, bytes, name, (part) => told(FETCHING + (1 - FETCHING) * Math.min(part, 0.999)));
     told(1);
     return model;
   }
 
   async function answer(request: Request): Promise<[Answer, Transferable[]]> {
-    const { id } = request;
+    const { id, group } = request;
     switch (request.type) {
       case "open": {
         const tell = (notice: Notice) => port.postMessage({ id, ...notice }, noticeBuffers(notice));
-        return [{ type: "opened", ...(await open(request.source, request.name, tell)) }, []];
+        return [{ type: "opened", ...(await open(group, request.source, request.name, tell)) }, []];
       }
       case "inspect": {
         const { model, frame, triangle } = request;
@@ -74,11 +81,11 @@ export function serve(port: Port<Reply, Request>, start: () => Promise<Engine>, 
         return [{ type: "spheres", spheres }, [spheres.buffer as ArrayBuffer]];
       }
       case "duplicate":
-        return [{ type: "opened", ...(await opened(engine)).duplicate(request.model) }, []];
+        return [{ type: "opened", ...(await opened(engine)).duplicate(group, request.model) }, []];
       case "memory":
         return [{ type: "memory", bytes: engine ? (await engine).memory() : 0 }, []];
       case "adapt": {
-        const frames = (await opened(engine)).adapt(request.views, request.limits);
+        const frames = (await opened(engine)).adapt(group, request.views, request.limits);
         return [{ type: "adapted", frames }, frames.flatMap(buffersOf)];
       }
       case "fly-by":
@@ -86,6 +93,10 @@ export function serve(port: Port<Reply, Request>, start: () => Promise<Engine>, 
       case "close":
         (await opened(engine)).close(request.model);
         return [{ type: "closed" }, []];
+      case "leave":
+        left.add(group);
+        (await engine)?.leave(group);
+        return [{ type: "left" }, []];
     }
   }
 

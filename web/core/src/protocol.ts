@@ -20,10 +20,14 @@ export type Question =
   | { type: "duplicate"; model: number }
   | { type: "memory" }
   | { type: "fly-by"; model: number }
-  | { type: "close"; model: number };
+  | { type: "close"; model: number }
+  | { type: "leave" };
 
-/** Page → worker. Every request is answered once, under its `id`; while a file is fetched others may be answered. */
-export type Request = Question & { id: number };
+/**
+ * Page → worker. Every request is answered once, under its `id`; while a file is fetched others may be answered. Models belong to the
+ * group that they were opened or duplicated in, and limits are those of a group.
+ */
+export type Request = Question & { id: number; group: number };
 
 /** What a worker answers. `frames` are in the order of the views. */
 export type Answer =
@@ -34,6 +38,7 @@ export type Answer =
   | { type: "memory"; bytes: number }
   | { type: "flown"; report: FlyByReport }
   | { type: "closed" }
+  | { type: "left" }
   | { type: "failed"; kind: ErrorKind; message: string };
 
 /** Worker → page. While a model is opened, these come before the answer. */

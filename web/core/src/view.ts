@@ -30,14 +30,14 @@ export interface View {
   region?: Region;
 }
 
-/** What all models of a client have together. */
+/** What all models of a client have together; those of other clients of the same worker do not count. */
 export interface Limits {
   /** The most triangles that their fronts may hold; `Infinity` for no limit. */
   maxTriangles: number;
   /**
    * The most bytes that their fronts may take: in the engine (`FrameStats.frontBytes`) and in buffers as long as
    * `FrameUpdate` says, once in the page's memory and once on the graphics card. No update goes beyond it, unless the base meshes
-   * do. `Infinity` for no limit.
+   * do. Hierarchies do not count. `Infinity` for no limit.
    */
   maxBytes: number;
   /** How long one call may take, milliseconds; what is left over goes on in the next call, worst pixels first. */
@@ -69,6 +69,8 @@ export interface BaseMesh {
   /** Axis-parallel box of the base mesh, mesh units. */
   min: Vec3;
   max: Vec3;
+  /** Which way is up: a unit vector along an axis. */
+  up: Vec3;
 }
 
 /** How far opening is. */
@@ -141,7 +143,7 @@ export interface FrameStats {
   settled: boolean;
   /** A budget of triangles or bytes keeps the front from its tolerance: `errorPx` is what it allows. */
   budgetBound: boolean;
-  /** It is the budget of bytes. */
+  /** It is the budget of bytes, or the end of what the browser gives. */
   byteBound: boolean;
   /** A bound on how wrong the front looks from here, pixels. */
   errorPx: number;

@@ -50,29 +50,29 @@ function worker(engine: Partial<Engine> = {}, fetcher?: typeof fetch) {
   const channel = new MessageChannel();
   channels.push(channel);
   const views: View[] = [];
-  const open = vi.fn((bytes: Uint8Array, name: string, onProgress: (part: number) => void) => {
+  const open = vi.fn((_group: number, bytes: Uint8Array, name: string, onProgress: (part: number) => void) => {
     if (bytes[0] !== 77) throw Object.assign(new Error(`${name}: byte 0 is wrong`), { name: "damaged" });
     onProgress(0.5);
     onProgress(1);
     return { model: 7, info: INFO };
   });
-  const adapt = (asked: ModelView[]) => asked.map(({ views: [view] }) => {
+  const adapt = (_group: number, asked: ModelView[]) => asked.map(({ views: [view] }) => {
     views.push(view!);
     return frameOf(view!);
   });
   const no = () => { throw new Error("no"); };
-  const close = vi.fn();
+  const [close, leave] = [vi.fn(), vi.fn()];
   const rest = { duplicate: no, inspect: no, spheres: no, memory: () => 65536, flyBy: no };
   const baseOf = (start: Uint8Array) => (start.length >= 3 ? BASE() : undefined);
-  const whole: Engine = { baseOf, open, adapt, close, ...rest, ...engine };
+  const whole: Engine = { baseOf, open, adapt, close, leave, ...rest, ...engine };
   serve(channel.port2 as unknown as Port<Reply, Request>, async () => whole, fetcher);
   const port = channel.port1 as unknown as WorkerPort;
   port.terminate = vi.fn(() => channel.port1.close());
-  return { client: new MeshfrontClient(() => port), views, open, close, port };
+  return { client: new MeshfrontClient(() => port), views, open, close, leave, port };
 }
 const BASE = (): BaseMesh => ({
   positions: Float32Array.of(1, 2, 3), normals: new Int16Array(4), colors: new Uint8Array(0), triangles: new Uint32Array(3),
-  min: [1, 2, 3], max: [1, 2, 3],
+  min: [1, 2, 3], max: [1, 2, 3], up: [0, 1, 0],
 });
 const good = () => Uint8Array.of(77, 1, 2, 3).buffer;
 
@@ -175,7 +175,7 @@ test("while a file arrives the models that are there go on", async () => {
 test("an engine that breaks down fails the call, not the line", async () => {
   let broken = true;
   const { client } = worker({
-    adapt: (views) => {
+    adapt: (_, views) => {
       if (broken) throw new WebAssembly.RuntimeError("unreachable");
       return views.map(({ views: [view] }) => frameOf(view!));
     },
@@ -216,4 +216,52 @@ test("a worker that does not start is an engine error", async () => {
   const opening = client.open(good());
   port.onerror?.({ message: "" } as ErrorEvent);
   await expect(opening).rejects.toMatchObject({ kind: "engine" });
+});
+
+test("clients of one worker overtake nobody but themselves", async () => {
+  const asked: [number, number][] = [];
+  const adapt = (group: number, views: ModelView[]) => {
+    asked.push([group, views[0]!.views[0]!.eye[0]]);
+    return views.map(({ views }) => frameOf(views[0]!));
+  };
+  const { client } = worker({ adapt });
+  await client.open(good());
+  const beside = new MeshfrontClient(client);
+  expect([beside.isBeside(client), beside.isBeside(worker().client)]).toEqual([true, false]);
+  const answers = [
+    client.adapt(at(1), LIMITS), beside.adapt(at(2), LIMITS), client.adapt(at(3), LIMITS), beside.adapt(at(4), LIMITS), client.adapt(at(5), LIMITS),
+  ];
+  const frames = await Promise.all(answers);
+  expect(frames.map((frame) => frame !== undefined)).toEqual([true, true, false, true, true]);
+  expect(asked).toEqual([[0, 1], [1, 2], [0, 5], [1, 4]]);
+});
+
+test("a client that goes leaves its group, and the others their worker", async () => {
+  vi.stubGlobal("document", { baseURI: "http://localhost/" });
+  let send = () => {};
+  const arrives = new Promise<Response>((resolve) => { send = () => resolve(new Response(good())); });
+  const { client, leave, open, port } = worker({}, () => arrives);
+  await client.open(good());
+  const [beside, third] = [new MeshfrontClient(client), new MeshfrontClient(client)];
+  const [waiting, other] = [beside.adapt(at(1), LIMITS), client.adapt(at(2), LIMITS)];
+  beside.dispose();
+  beside.dispose();
+  await expect(waiting).rejects.toMatchObject({ kind: "closed" });
+  await expect(beside.memory()).rejects.toMatchObject({ kind: "closed" });
+  await expect(other).resolves.toHaveLength(1);
+  expect(leave.mock.calls).toEqual([[1]]);
+  expect(port.terminate).not.toHaveBeenCalled();
+  // What was on its way when it left is not opened for nobody.
+  const opening = third.open("slow.front");
+  third.dispose();
+  await expect(opening).rejects.toMatchObject({ kind: "closed" });
+  vi.unstubAllGlobals();
+  await vi.waitFor(() => expect(leave).toHaveBeenCalledTimes(2));
+  send();
+  await new Promise((soon) => setTimeout(soon, 20));
+  await client.memory();
+  expect(open).toHaveBeenCalledTimes(1);
+  client.dispose();
+  expect(port.terminate).toHaveBeenCalledOnce();
+  await expect(client.memory()).rejects.toMatchObject({ kind: "closed" });
 });

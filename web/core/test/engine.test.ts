@@ -6,7 +6,7 @@ import { applyRanges } from "../src/apply.js";
 import { startEngine } from "../src/engine.js";
 import { MeshfrontError } from "../src/errors.js";
 import type { Engine } from "../src/host.js";
-import type { FrameUpdate, ModelInfo, Region, Shade, View } from "../src/view.js";
+import type { FrameUpdate, Limits, ModelInfo, Region, Shade, View } from "../src/view.js";
 
 const module = readFileSync(new URL("../wasm/meshfront_wasm_bg.wasm", import.meta.url));
 const front = readFileSync(new URL("../../../testdata/front/v1-knot-lossless-painted.front", import.meta.url));
@@ -22,13 +22,14 @@ interface Alone {
 }
 async function load(bytes: Uint8Array): Promise<Alone> {
   const engine = await startEngine(module);
-  const { model, info } = engine.open(bytes, "scan", nobody);
+  const { model, info } = engine.open(0, bytes, "scan", nobody);
   return {
     engine,
     model,
     info,
     adapt: (view, maxTriangles = Infinity, deadlineMs = Infinity, maxBytes = Infinity, shade) =>
       engine.adapt(
+        0,
         [{ model, views: [view].flat(), ...(shade ? { shade } : {}) }],
         { maxTriangles, maxBytes, deadlineMs },
       )[0]!,
@@ -175,9 +176,10 @@ test("a file that is cut off or altered is damaged, wherever", async () => {
 
 test("models share a budget: the one that looks worse gets more of it", async () => {
   const engine = await startEngine(module);
-  const [near, far] = [engine.open(front, "near", nobody), engine.open(front, "far", nobody)];
+  const [near, far] = [engine.open(0, front, "near", nobody), engine.open(0, front, "far", nobody)];
   const look = (distances: [number, number], maxTriangles: number) =>
     engine.adapt(
+      0,
       [near, far].map(({ model, info }, i) => ({ model, views: [lookAt({ info }, [0, 0, 1], distances[i]!, 0.05)] })),
       { maxTriangles, maxBytes: Infinity, deadlineMs: Infinity },
     ).map(({ stats }) => stats);
@@ -193,6 +195,7 @@ test("models share a budget: the one that looks worse gets more of it", async ()
   expect(d!.triangles).toBeGreaterThan(c!.triangles);
   engine.close(near.model);
   const alone = engine.adapt(
+    0,
     [{ model: far.model, views: [lookAt(far, [0, 0, 1], 1.5, 0.05)] }],
     { maxTriangles: limit, maxBytes: Infinity, deadlineMs: Infinity },
   );
@@ -226,7 +229,7 @@ test("the base mesh is there with the first bytes, and no sooner", async () => {
 test("opening tells how far it is, and ends", async () => {
   const engine = await startEngine(module);
   const parts: number[] = [];
-  engine.open(front, "scan", (part) => parts.push(part));
+  engine.open(0, front, "scan", (part) => parts.push(part));
   expect(parts.length).toBeGreaterThan(1);
   expect(parts).toEqual([...parts].sort((a, b) => a - b));
   expect(parts.at(-1)).toBeLessThanOrEqual(1);
@@ -330,14 +333,52 @@ test("ages and cones are columns of every slot", async () => {
 test("two fronts of one model share its hierarchy and nothing else", async () => {
   const { engine, model, info, adapt } = await load(front);
   const before = engine.memory();
-  const twin = engine.duplicate(model);
+  const twin = engine.duplicate(0, model);
   expect(twin.info).toMatchObject({ sourceTriangles: info.sourceTriangles, hierarchyBytes: info.hierarchyBytes });
   const near = adapt(lookAt({ info }, [0, 0, 1], 1.5, 0.1)).stats.triangles;
   const limits = { maxTriangles: Infinity, maxBytes: Infinity, deadlineMs: Infinity };
-  const far = engine.adapt([{ model: twin.model, views: [lookAt({ info }, [0, 0, 1], 40, 1)] }], limits)[0]!.stats.triangles;
+  const far = engine.adapt(0, [{ model: twin.model, views: [lookAt({ info }, [0, 0, 1], 40, 1)] }], limits)[0]!.stats.triangles;
   expect(far).toBeLessThan(near);
   engine.close(model);
-  const stays = engine.adapt([{ model: twin.model, views: [lookAt({ info }, [0, 0, 1], 1.5, 0.1)] }], limits)[0]!;
+  const stays = engine.adapt(0, [{ model: twin.model, views: [lookAt({ info }, [0, 0, 1], 1.5, 0.1)] }], limits)[0]!;
   expect(stays.stats.triangles).toBe(near);
   expect(engine.memory()).toBeLessThan(before + info.hierarchyBytes + 4e6);
+});
+
+test("a group has limits of its own, and takes nothing from another's", async () => {
+  const [alone, beside] = [await load(front), await load(front)];
+  const { engine, model, info } = beside;
+  const near = lookAt({ info }, [0, 0, 1], 1.5, 0.2);
+  const whole = { ...lookAt({ info }, [0, 0, 1], 2, 0), frustum: false, orientation: false };
+  const [most, bytes] = [Math.round(2.5 * info.baseTriangles), 200_000];
+  const twin = engine.duplicate(1, model);
+  const all = (limits: Partial<Limits> = {}) =>
+    engine.adapt(1, [{ model: twin.model, views: [whole] }], { maxTriangles: Infinity, maxBytes: Infinity, deadlineMs: Infinity, ...limits })[0]!;
+  const asked: [View, number, number][] = [
+    [near, most, Infinity], [{ ...near, tolerancePx: 5 }, most, Infinity], [near, Infinity, bytes], [near, Infinity, bytes], [near, Infinity, Infinity],
+  ];
+  for (const [view, maxTriangles, maxBytes] of asked) {
+    // Complete, whatever the others may hold; and they get as much as without it.
+    expect(all().stats).toMatchObject({ triangles: info.sourceTriangles, settled: true, budgetBound: false });
+    const { engineMs: _, gatherMs: __, ...stats } = beside.adapt(view, maxTriangles, Infinity, maxBytes).stats;
+    expect(alone.adapt(view, maxTriangles, Infinity, maxBytes).stats).toMatchObject(stats);
+  }
+  expect(all({ maxTriangles: most }).stats.triangles).toBeLessThanOrEqual(most);
+  expect(beside.adapt(near).stats.triangles).toBeGreaterThan(most);
+  expect(() => engine.adapt(0, [{ model: twin.model, views: [whole] }], { maxTriangles: 1, maxBytes: 1, deadlineMs: 1 })).toThrow("another group");
+});
+
+test("what a group held is used again when it has left", async () => {
+  const { engine, model, info } = await load(front);
+  const view = { ...lookAt({ info }, [0, 0, 1], 2, 0), frustum: false, orientation: false };
+  const sizes: number[] = [];
+  for (let group = 1; group <= 30; group++) {
+    const twin = engine.duplicate(group, model);
+    const { stats } = engine.adapt(group, [{ model: twin.model, views: [view] }], { maxTriangles: Infinity, maxBytes: Infinity, deadlineMs: Infinity })[0]!;
+    expect(stats.triangles).toBe(info.sourceTriangles);
+    engine.leave(group);
+    expect(() => engine.spheres(twin.model, 1)).toThrow("no such model");
+    sizes.push(engine.memory());
+  }
+  expect(sizes.at(-1)).toBe(sizes[1]);
 });

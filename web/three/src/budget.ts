@@ -38,8 +38,8 @@ export interface BudgetOptions {
   maxBytes?: number;
   /** Time in the worker per update, milliseconds; 6 by default. */
   deadlineMs?: number;
-  /** Starts the worker; by default the one of `@meshfront/core`. */
-  worker?: () => WorkerPort;
+  /** Starts the worker, by default the one of `@meshfront/core`; or another budget, whose worker is used: its limits stay its own. */
+  worker?: (() => WorkerPort) | MeshfrontBudget;
 }
 
 /**
@@ -67,7 +67,8 @@ export class MeshfrontBudget {
   constructor(options: BudgetOptions = {}) {
     this.most = { triangles: options.maxTriangles ?? Infinity, bytes: options.maxBytes ?? Infinity };
     this.deadlineMs = options.deadlineMs ?? 6;
-    this.client = new MeshfrontClient(options.worker);
+    const { worker } = options;
+    this.client = new MeshfrontClient(worker instanceof MeshfrontBudget ? worker.client : worker);
   }
 
   /** The most triangles that all fronts together may hold. A change is asked for at once. */
@@ -110,7 +111,7 @@ export class MeshfrontBudget {
     return { engineBytes, bufferBytes: [...this.members].reduce((sum, { bufferBytes }) => sum + bufferBytes, 0) };
   }
 
-  /** Ends the worker. */
+  /** Ends the worker, if it was not that of another budget. */
   dispose(): void {
     this.broken = true;
     this.client.dispose();

@@ -9,7 +9,7 @@
  * same; the README of the package lists them.
  */
 
-import { MeshfrontError } from "@meshfront/core";
+import { MeshfrontError, type Vec3 } from "@meshfront/core";
 import {
   type Intersection, MathUtils, PerspectiveCamera, Raycaster, Scene, type Sphere, Spherical,
   Vector2, Vector3,
@@ -366,10 +366,14 @@ export class MeshFrontElement extends Base {
       this.setProgress(fraction);
       this.tell("progress", { loaded, total, totalProgress: fraction });
     });
-    object.addEventListener("load-base", () => this.enterScene());
+    // The page's own up is +y.
+    const stand = (up: Vec3) => object.quaternion.setFromUnitVectors(new Vector3(...up), new Vector3(0, 1, 0));
+    object.addEventListener("load-base", ({ base }) => {
+      stand(base.up);
+      this.enterScene();
+    });
     object.addEventListener("load", ({ info }) => {
-      // The page's own up is +y.
-      object.quaternion.setFromUnitVectors(new Vector3(...info.up), new Vector3(0, 1, 0));
+      stand(info.up);
       this.isLoaded = true;
       this.setProgress(1);
       this.enterScene();

@@ -33,7 +33,7 @@ export interface MeshfrontOptions {
 export interface MeshfrontEventMap extends Object3DEventMap {
   /** The file is arriving, or is checked. `fraction` is 1 once, when all is done. */
   "load-progress": OpenProgress;
-  /** The base mesh is shown, while the rest still arrives or is checked. Terrains have none. */
+  /** The base mesh is shown, while the rest still arrives or is checked; of a terrain the heights that come first. */
   "load-base": { base: BaseMesh };
   /** The model is open: from here on it follows its cameras. */
   load: { info: ModelInfo };
@@ -107,14 +107,15 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
 
   /**
    * Starts loading a `.front` file: an address, or its bytes (handed over; the buffer is empty afterwards). Another object is shown
-   * once more, with a front of its own: they share the hierarchy, the worker and the budget, which lasts as long as the first.
+   * once more, with a front of its own: they share the hierarchy, the worker and the budget, which lasts as long as the first. Where
+   * `options` name another budget, that has to be one on the same worker.
    */
   constructor(source: string | URL | ArrayBuffer | MeshfrontObject, options: MeshfrontOptions = {}) {
     const own = options.material ? undefined : new MeshStandardMaterial({ color: 0xd9d0c5, roughness: 0.75 });
     super(frontGeometry(), options.material ?? own);
     this.ownMaterial = own;
     this.tolerancePx = options.tolerancePx ?? 1;
-    const budget = source instanceof MeshfrontObject ? source.budget : options.budget;
+    const budget = options.budget ?? (source instanceof MeshfrontObject ? source.budget : undefined);
     this.ownsBudget = budget === undefined;
     this.budget = budget ?? new MeshfrontBudget(options);
     this.member = this.asMember();
@@ -319,6 +320,7 @@ export class MeshfrontObject extends Mesh<BufferGeometry, Material, MeshfrontEve
   private async twin(source: MeshfrontObject): Promise<ClientModel> {
     await source.ready;
     const { client } = this.budget;
+    if (!client.isBeside(source.budget.client)) throw new MeshfrontError("engine", "the budget has another worker than the model");
     const twin = source.opened && (await client.duplicate(source.opened.model));
     if (twin && !this.closing.signal.aborted) return twin;
     if (twin) client.close(twin.model);

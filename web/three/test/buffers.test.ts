@@ -107,7 +107,7 @@ test("the base mesh is drawn until the first frame takes its place", () => {
   const geometry = frontGeometry();
   applyBase(geometry, {
     positions: Float32Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0), normals: new Int16Array(12), colors: new Uint8Array(12).fill(255),
-    triangles: Uint32Array.of(0, 1, 2), min: [0, 0, 0], max: [1, 1, 0],
+    triangles: Uint32Array.of(0, 1, 2), min: [0, 0, 0], max: [1, 1, 0], up: [0, 1, 0],
   });
   expect(geometry.drawRange.count).toBe(3);
   expect([...geometry.index!.array]).toEqual([0, 1, 2]);

@@ -2,7 +2,7 @@
 
 import { DoubleSide, MeshBasicMaterial, OrthographicCamera, PerspectiveCamera, Raycaster, Vector2, Vector3 } from "three";
 import { afterEach, expect, test, vi } from "vitest";
-import type { MeshfrontBudget } from "../src/budget.js";
+import { MeshfrontBudget } from "../src/budget.js";
 import { MeshfrontObject, type MeshfrontOptions } from "../src/object.js";
 import { fixture, localBudget } from "./worker.js";
 
@@ -267,4 +267,28 @@ test("a clone has a front of its own over the same hierarchy", async () => {
   twin.dispose();
   object.update();
   await settle(object);
+});
+
+test("beside others, in their worker, an object keeps to limits of its own", async () => {
+  const object = await open();
+  const camera = cameraAt(object, [0, 0, 1], 3);
+  object.setResolution(camera, 300, 300);
+  object.maxTriangles = Math.round(1.5 * object.info!.baseTriangles);
+  const budget = new MeshfrontBudget({ worker: object.budget });
+  const whole = new MeshfrontObject(object, { budget, tolerancePx: 0 });
+  whole.cullFrustum = whole.cullOrientation = false;
+  await whole.ready;
+  whole.setResolution(camera, 300, 300);
+  await settle(whole);
+  await settle(object);
+  expect(whole.stats!.triangles).toBe(object.info!.sourceTriangles);
+  expect(object.stats!.triangles).toBeLessThanOrEqual(object.maxTriangles);
+  expect(object.stats!.triangles).toBeGreaterThan(1.2 * object.info!.baseTriangles);
+  budget.dispose();
+  object.maxTriangles = Infinity;
+  await settle(object);
+  expect(object.stats!.budgetBound).toBe(false);
+  const elsewhere = localBudget();
+  budgets.push(elsewhere);
+  await expect(new MeshfrontObject(object, { budget: elsewhere }).ready).rejects.toMatchObject({ message: /another worker/ });
 });

@@ -65,6 +65,7 @@ const PARAMETERS: { [K in keyof Values]?: Parameter<Values[K]> } = {
   unit: oneOf("unit", Object.keys(UNITS) as Unit[]),
   flying: flag("fly"),
   divider: { name: "compare", read: part, write: (value) => (value === undefined ? "" : value.toFixed(3)) },
+  originalTriangles: whole("original"),
   theme: oneOf("theme", THEMES),
   language: oneOf("lang", Object.keys(LANGUAGES) as Language[]),
 };

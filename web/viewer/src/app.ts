@@ -5,8 +5,8 @@ import { Box3, Mesh, Sphere, Vector2, Vector3 } from "three";
 import { type Address, type Point, writeAddress } from "./address.js";
 import { makeAppearance } from "./appearance.js";
 import { backgroundCss } from "./backgrounds.js";
-import { readCard, type Card, type ModelCard } from "./card.js";
-import { makeCompare, sourceOf } from "./compare.js";
+import { readCard, sourceOf, type Card, type ModelCard } from "./card.js";
+import { makeCompare } from "./compare.js";
 import { makeControls } from "./controls.js";
 import { copyText, download, element } from "./dom.js";
 import { listenToDrops, type Refusal } from "./drop.js";
@@ -227,7 +227,8 @@ export function start(stage: Stage, settings: Settings, address: Address) {
     loading.begin(found.models.length);
     const fail = (error: MeshfrontError) => {
       loading.end();
-      const back = wanted && before ? () => void open(before) : undefined;
+      // What is drawn stays, where the engine stopped in flight.
+      const back = opened ? () => canvas.focus() : wanted && before ? () => void open(before) : undefined;
       failure.show(wordsOf(error), { retry: () => void open(wanted), ...(back ? { close: back } : {}) });
     };
     for (const [i, model] of found.models.entries()) load(model, i, sources[i]!, shared, fail);
@@ -246,8 +247,7 @@ export function start(stage: Stage, settings: Settings, address: Address) {
     object.addEventListener("load-progress", (progress) => loading.progress(i, card.name, progress));
     object.addEventListener("load-error", ({ error }) => fail(error));
     object.addEventListener("needs-update", () => { answered = dirty = true; });
-    // Terrains, whose up is another one, have no base mesh.
-    object.addEventListener("load-base", () => arrive(model, [0, 1, 0]));
+    object.addEventListener("load-base", ({ base }) => arrive(model, base.up));
     object.addEventListener("load", ({ info }) => arrive(model, info.up));
     object.addEventListener("front-settled", settledNow);
     spheres[i] = drawSpheres(object, () => settings.now.spheres, changed);

@@ -48,3 +48,8 @@ export function isModel(value: unknown): value is ModelCard {
   const card = value as Partial<ModelCard> | undefined | null;
   return typeof card?.name === "string" && typeof card.url === "string";
 }
+
+/** What a model is opened from: a file that was dropped has no address. */
+export async function sourceOf({ url, file }: ModelCard): Promise<string | ArrayBuffer> {
+  return file ? file.arrayBuffer() : url;
+}

@@ -8,10 +8,8 @@ import type { Settings } from "./settings.js";
 import type { Stage } from "./stage.js";
 import { attribute, count, percent, texts, worded } from "./texts/index.js";
 
-/** More triangles than these are not drawn in one picture: browsers give buffers of so many bytes and no more. */
-const MOST_TRIANGLES = 8e6;
-/** The original need not come smoothly. */
-const DEADLINE_MS = 30;
+/** The fronts wait as long for their turn in the worker, and no longer. */
+const DEADLINE_MS = 10;
 
 export interface Compare {
   /** Whether both are to be drawn. */
@@ -22,7 +20,7 @@ export interface Compare {
   update(camera: PerspectiveCamera, renderer: WebGLRenderer): void;
   /** Draws one on each side. */
   draw(): void;
-  /** Whether every triangle of the originals is there. */
+  /** Whether every triangle of the originals is there, or as many as are allowed. */
   readonly complete: boolean;
 }
 
@@ -42,6 +40,7 @@ export function makeCompare(settings: Settings, stage: Stage, changed: () => voi
   let originals: MeshfrontObject[] = [];
   let budget: MeshfrontBudget | undefined;
   let complete = false;
+  let failed: string | undefined;
 
   settings.follow("divider", (at) => {
     handle.hidden = at === undefined;
@@ -50,6 +49,14 @@ export function makeCompare(settings: Settings, stage: Stage, changed: () => voi
       if (!budget && shown.length > 0) open();
       place(at);
     }
+    changed();
+  });
+  settings.on("originalTriangles", (most) => {
+    if (!budget) return;
+    budget.maxTriangles = most;
+    for (const original of originals) original.frozen = false;
+    complete = false;
+    tell();
     changed();
   });
   worded(() => { place(settings.now.divider ?? 0.5); tell(); });
@@ -79,42 +86,46 @@ export function makeCompare(settings: Settings, stage: Stage, changed: () => voi
     move(to);
   });
 
+  /** Fronts of the same hierarchies in the same worker, with limits of their own. */
   function open(): void {
-    const shared = new MeshfrontBudget({ maxTriangles: MOST_TRIANGLES, deadlineMs: DEADLINE_MS });
+    const { originalTriangles: maxTriangles } = settings.now;
+    const shared = new MeshfrontBudget({ worker: shown[0]!.object.budget, maxTriangles, deadlineMs: DEADLINE_MS });
     budget = shared;
-    complete = false;
-    void Promise.all(shown.map(async (model) => {
-      const source = await sourceOf(model.card);
-      if (budget !== shared) return;
-      const { object: { material }, card: { name } } = model;
-      const original = new MeshfrontObject(source, { budget: shared, tolerancePx: 0, material, name });
+    originals = shown.map(({ object, card: { name } }) => {
+      const original = new MeshfrontObject(object, { budget: shared, tolerancePx: 0, material: object.material, name });
       original.cullFrustum = original.cullOrientation = false;
       original.visible = false;
       original.addEventListener("needs-update", changed);
+      original.addEventListener("load-error", ({ error }) => {
+        failed = error.message;
+        tell();
+      });
       scene.add(original);
-      originals[shown.indexOf(model)] = original;
-    }));
+      return original;
+    });
     tell();
   }
 
   function close(): void {
     for (const original of originals) {
-      original?.removeFromParent();
-      original?.dispose();
+      original.removeFromParent();
+      original.dispose();
     }
     originals = [];
     budget?.dispose();
     budget = undefined;
     complete = false;
+    failed = undefined;
   }
 
   function tell(): void {
     const { compare } = texts();
     left.textContent = compare.front;
-    const triangles = originals.reduce((sum, original) => sum + (original?.stats?.triangles ?? 0), 0);
+    const triangles = originals.reduce((sum, original) => sum + (original.stats?.triangles ?? 0), 0);
     const whole = shown.reduce((sum, model) => sum + trianglesOf(model), 0);
-    const limited = originals.some((original) => original?.stats?.budgetBound);
-    if (!complete) right.textContent = compare.loading;
+    const limited = originals.some((original) => original.stats?.budgetBound);
+    if (failed) right.textContent = compare.failed(failed);
+    else if (!complete) right.textContent = compare.loading;
     else right.textContent = limited ? compare.limited(count(triangles), count(whole)) : compare.original(count(triangles));
   }
 
@@ -129,16 +140,14 @@ export function makeCompare(settings: Settings, stage: Stage, changed: () => voi
     update(camera, renderer) {
       if (!budget) return;
       originals.forEach((original, i) => {
-        if (!original) return;
         follow(original, shown[i]!);
         if (original.info && !complete) original.setResolutionFromRenderer(camera, renderer);
       });
       budget.update();
       if (complete) return;
-      const all = originals.filter(Boolean);
-      if (all.length < shown.length || !all.every(({ stats }) => stats?.settled)) return;
+      if (!budget.settled || !originals.every(({ stats }) => stats?.settled)) return;
       // All there is, from wherever one looks: the engine need not be asked again.
-      for (const original of all) original.frozen = true;
+      for (const original of originals) original.frozen = true;
       complete = true;
       tell();
       changed();
@@ -153,29 +162,23 @@ export function makeCompare(settings: Settings, stage: Stage, changed: () => voi
       if (middle > 0) stage.draw();
       shown.forEach(({ object }, i) => {
         object.visible = false;
-        if (originals[i]) originals[i].visible = visible[i]!;
+        originals[i]!.visible = visible[i]!;
       });
       renderer.setScissor(middle, 0, width - middle, height);
       if (middle < width) stage.draw();
       renderer.setScissorTest(false);
       shown.forEach(({ object }, i) => {
         object.visible = visible[i]!;
-        if (originals[i]) originals[i].visible = false;
+        originals[i]!.visible = false;
       });
     },
   };
 }
 
-function follow(original: MeshfrontObject | undefined, { object }: Shown): void {
-  if (!original) return;
+function follow(original: MeshfrontObject, { object }: Shown): void {
   original.position.copy(object.position);
   original.quaternion.copy(object.quaternion);
   original.scale.copy(object.scale);
   original.material = object.material;
   original.shade = object.shade;
-}
-
-/** The bytes of a file that was dropped are not kept: they are read again. */
-export async function sourceOf({ url, file }: Shown["card"]): Promise<string | ArrayBuffer> {
-  return file ? file.arrayBuffer() : url;
 }

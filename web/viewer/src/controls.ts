@@ -46,6 +46,10 @@ export function makeControls(settings: Settings, readings: HTMLElement): Control
       input.setAttribute("aria-valuetext", write(value));
     };
     input.addEventListener("input", () => settings.set(key, of(Number(input.value))));
+    // A finger that scrolls the panel has moved the slider it began on, before the browser takes it for scrolling.
+    let before = settings.now[key];
+    input.addEventListener("pointerdown", () => { before = settings.now[key]; });
+    input.addEventListener("pointercancel", () => settings.set(key, before));
     settings.on(key, refresh);
     worded(refresh);
     return { field: make("div", { class: "field" }, label(make("label", { for: id }), name), output, input), refresh };
@@ -147,6 +151,28 @@ export function makeControls(settings: Settings, readings: HTMLElement): Control
     });
     const name = label(make("label", { for: "background" }), (t) => t.look.background);
     return make("div", { class: "field choice" }, name, make("span", {}, select, own));
+  }
+
+  section("comparison", (t) => t.compare.name, false, divider(), originalTriangles());
+
+  function divider(): HTMLElement {
+    const input = make("input", { type: "checkbox", id: "comparing" });
+    input.addEventListener("change", () => settings.set("divider", input.checked ? 0.5 : undefined));
+    settings.follow("divider", (at) => { input.checked = at !== undefined; });
+    return make("label", { class: "switch" }, input, label(make("span"), (t) => t.compare.on));
+  }
+
+  function originalTriangles(): HTMLElement {
+    const input = make("input", { type: "number", id: "original-triangles", min: 1, step: 1, inputmode: "numeric" });
+    const refresh = () => { input.value = String(settings.now.originalTriangles); };
+    input.addEventListener("change", () => {
+      const most = Math.round(input.valueAsNumber);
+      if (most >= 1) settings.set("originalTriangles", most);
+      // What makes no sense is as if it were not said.
+      refresh();
+    });
+    settings.follow("originalTriangles", refresh);
+    return make("div", { class: "field choice" }, label(make("label", { for: "original-triangles" }), (t) => t.compare.most), input);
   }
 
   const upName = (t: Texts, up: Values["up"]) => (up === "file" ? t.navigation.asInFile : up.replace("-", "−"));

@@ -57,8 +57,8 @@ export interface Scenery {
   say(text: string): void;
 }
 
-/** A press that moves farther than this is a drag, CSS pixels. */
-const CLICK = 4;
+/** A press that moves farther than this is a drag, CSS pixels: fingers roll. */
+const CLICK = { finger: 10, other: 4 };
 
 export function makeMeasuring(settings: Settings, scenery: Scenery): Measuring {
   const { canvas, camera, say } = scenery;
@@ -76,6 +76,8 @@ export function makeMeasuring(settings: Settings, scenery: Scenery): Measuring {
   let marks: Mark[] = [];
   let pointer: Vector2 | undefined;
   let reading: Reading | undefined;
+  /** A finger pointed there, and hides nothing any more. */
+  let tapped = false;
   let looked = true;
   let asked = 0;
 
@@ -84,18 +86,31 @@ export function makeMeasuring(settings: Settings, scenery: Scenery): Measuring {
     return new Vector2((2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height);
   };
   let pressed: { at: Vector2; id: number } | undefined;
+  const isFinger = ({ pointerType }: PointerEvent) => pointerType === "touch";
   canvas.addEventListener("pointermove", (event) => {
-    // A finger has nothing to hover with.
-    pointer = event.buttons === 0 && event.pointerType !== "touch" ? inPicture(event) : undefined;
+    pointer = event.buttons === 0 && !isFinger(event) ? inPicture(event) : undefined;
+    tapped = false;
     looked = false;
   });
-  canvas.addEventListener("pointerleave", () => { pointer = undefined; looked = false; });
+  canvas.addEventListener("pointerleave", (event) => {
+    // A finger that is lifted leaves as well, but what it pointed at stays.
+    if (isFinger(event)) return;
+    pointer = undefined;
+    looked = false;
+  });
   canvas.addEventListener("pointerdown", (event) => {
     pressed = event.isPrimary && event.button === 0 ? { at: new Vector2(event.clientX, event.clientY), id: event.pointerId } : undefined;
   });
   canvas.addEventListener("pointerup", (event) => {
-    const isClick = pressed?.id === event.pointerId && pressed.at.distanceTo(new Vector2(event.clientX, event.clientY)) <= CLICK;
+    const steady = isFinger(event) ? CLICK.finger : CLICK.other;
+    const isClick = pressed?.id === event.pointerId && pressed.at.distanceTo(new Vector2(event.clientX, event.clientY)) <= steady;
     pressed = undefined;
+    if (isFinger(event)) {
+      // It has nothing to hover with: a tap asks.
+      pointer = isClick ? inPicture(event) : undefined;
+      tapped = isClick;
+      looked = false;
+    }
     if (isClick && settings.now.measuring) void mark(inPicture(event));
   });
   canvas.addEventListener("keydown", ({ key }) => {
@@ -186,9 +201,13 @@ export function makeMeasuring(settings: Settings, scenery: Scenery): Measuring {
       return `<line x1="${from.x.toFixed(1)}" y1="${from.y.toFixed(1)}" x2="${to.x.toFixed(1)}" y2="${to.y.toFixed(1)}"/>` +
         `${dot(from)}${dot(to)}<text x="${x.toFixed(1)}" y="${y.toFixed(1)}">${text}</text>`;
     });
+    const onScreen = ({ x, y }: Vector2) => [((x + 1) / 2) * canvas.clientWidth, ((1 - y) / 2) * canvas.clientHeight] as const;
+    if (tapped && pointer) {
+      const [x, y] = onScreen(pointer);
+      shapes.push(`<circle cx="${x.toFixed(1)}" cy="${y.toFixed(1)}" r="4"/>`);
+    }
     if (settings.now.crosshair || settings.now.measuring) {
-      const middle = scenery.middle();
-      const [x, y] = [((middle.x + 1) / 2) * canvas.clientWidth, ((1 - middle.y) / 2) * canvas.clientHeight];
+      const [x, y] = onScreen(scenery.middle());
       shapes.push(`<path d="M${x - 12} ${y}h8m8 0h8M${x} ${y - 12}v8m0 8v8"/>`);
     }
     const all = shapes.join("");

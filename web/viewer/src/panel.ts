@@ -115,7 +115,8 @@ export function makePanel(settings: Settings, { setVisible, say }: PanelActions)
     const [left, asked] = [pixels(figures.errorPx), pixels(settings.now.tolerancePx)];
     // Only what is final: while a front is on its way, its error says nothing about the budget.
     const biting = !figures.settled || !figures.budgetBound ? "" : figures.byteBound ? "bytes" : "triangles";
-    const text = biting === "bytes" ? quality.bytesBite(left, asked) : biting ? quality.trianglesBite(left, asked) : "";
+    const bytesBite = settings.now.maxBytes === Infinity ? quality.memoryEnds : quality.bytesBite;
+    const text = biting === "bytes" ? bytesBite(left, asked) : biting ? quality.trianglesBite(left, asked) : "";
     if (!figures.settled && saidBites) return;
     bites.hidden = text === "";
     bites.textContent = text;

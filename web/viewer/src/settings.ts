@@ -40,6 +40,8 @@ export interface Values {
   crosshair: boolean;
   /** Where the divider stands, part of the width; `undefined`: nothing is compared. */
   divider: number | undefined;
+  /** The most triangles of all originals together that the fronts are compared with. */
+  originalTriangles: number;
   theme: Theme;
   language: Language;
 }
@@ -48,7 +50,8 @@ export const DEFAULTS: Values = {
   tolerancePx: 1, maxTriangles: Infinity, maxBytes: Infinity, deadlineMs: 6, frustum: true, orientation: true,
   frozen: false, colorBy: "none", surface: "lit", vertexColors: true, wireframe: false, spheres: false,
   background: "studio", up: "file", unit: "none", flying: false, measuring: false, crosshair: false, divider: undefined,
-  theme: "auto", language: "en",
+  // Browsers give buffers of so many bytes and no more.
+  originalTriangles: 8e6, theme: "auto", language: "en",
 };
 
 type Listener<K extends keyof Values> = (value: Values[K]) => void;

@@ -5,7 +5,7 @@ import { choose } from "../src/texts/index.js";
 
 const values: Values = {
   ...DEFAULTS, tolerancePx: 2.5, maxTriangles: 123_456, maxBytes: 64e6, frustum: false, colorBy: "cone", surface: "matcap",
-  vertexColors: false, wireframe: true, background: "#336699", up: "+z", unit: "km", divider: 0.25, theme: "contrast", language: "pt",
+  vertexColors: false, wireframe: true, background: "#336699", up: "+z", unit: "km", divider: 0.25, originalTriangles: 2e6, theme: "contrast", language: "pt",
 };
 
 describe("the address", () => {

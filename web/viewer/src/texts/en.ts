@@ -94,6 +94,8 @@ export const en = {
       `The triangle budget is used up: the picture is within ${error} of the original instead of ${asked}.`,
     bytesBite: (error: string, asked: string) =>
       `The memory budget is used up: the picture is within ${error} of the original instead of ${asked}.`,
+    memoryEnds: (error: string, asked: string) =>
+      `The browser gives no more memory: the picture is within ${error} of the original instead of ${asked}.`,
   },
 
   look: {
@@ -116,11 +118,15 @@ export const en = {
   },
 
   compare: {
+    name: "Comparison",
+    on: "Compare with the original",
+    most: "Triangles of the original, at most",
     handle: "Divider between the front and the original",
     front: "Front",
     original: (triangles: string) => `Original, ${triangles} triangles`,
     limited: (triangles: string, whole: string) => `Original, limited to ${triangles} of ${whole} triangles`,
     loading: "The original is loading …",
+    failed: (why: string) => `The original cannot be shown: ${why}`,
     at: (percent: string) => `Front on the left ${percent}`,
   },
 

@@ -89,6 +89,8 @@ export const pt: Texts = {
       `O limite de triângulos está esgotado: a imagem fica a ${error} do original, no máximo, em vez de ${asked}.`,
     bytesBite: (error, asked) =>
       `O limite de memória está esgotado: a imagem fica a ${error} do original, no máximo, em vez de ${asked}.`,
+    memoryEnds: (error, asked) =>
+      `O navegador não dá mais memória: a imagem fica a ${error} do original, no máximo, em vez de ${asked}.`,
   },
 
   look: {
@@ -111,11 +113,15 @@ export const pt: Texts = {
   },
 
   compare: {
+    name: "Comparação",
+    on: "Comparar com o original",
+    most: "Triângulos do original, no máximo",
     handle: "Divisória entre a frente e o original",
     front: "Frente",
     original: (triangles) => `Original, ${triangles} triângulos`,
     limited: (triangles, whole) => `Original, limitado a ${triangles} de ${whole} triângulos`,
     loading: "A carregar o original …",
+    failed: (why) => `Não é possível mostrar o original: ${why}`,
     at: (percent) => `Frente nos ${percent} da esquerda`,
   },
 
