@@ -33,7 +33,7 @@ mod record;
 pub use front_mesh::FrontMesh;
 
 use lattice::NOWHERE;
-pub use lattice::{Lattice, Site};
+pub use lattice::{Lattice, Site, Spot};
 use record::Record;
 
 /// What is stored of a terrain.

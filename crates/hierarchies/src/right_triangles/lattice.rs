@@ -158,7 +158,7 @@ impl Spot {
     }
     /// Whether all of its neighbours are there: that is so away from borders, and where a level has more than four columns and rows.
     #[inline]
-    pub(super) fn is_inner(&self) -> bool {
+    pub fn is_inner(&self) -> bool {
         self.inner
     }
     /// How its triangles lie.
@@ -255,17 +255,22 @@ impl Lattice {
         let i = id - at.first;
         at.spot(level, i / at.line(), i % at.line())
     }
-    /// The samples of some ids of one level.
+    /// The samples of ids that follow each other: no search and no division for each.
     pub fn spots(&self, ids: std::ops::Range<u32>) -> impl Iterator<Item = Spot> {
-        let level = self.level_of(ids.start);
-        let at = &self.levels[level];
-        let i = ids.start - at.first;
-        let (mut line, mut column) = (i / at.line(), i % at.line());
-        ids.map(move |_| {
+        let mut level = if ids.is_empty() { 0 } else { self.level_of(ids.start) };
+        let (mut line, mut column) = self.levels.get(level).map_or((0, 0), |at| {
+            let i = ids.start - at.first;
+            (i / at.line(), i % at.line())
+        });
+        ids.map(move |id| {
+            let at = &self.levels[level];
             let spot = at.spot(level, line, column);
             column += 1;
             if column == at.line() {
                 (line, column) = (line + 1, 0);
+            }
+            while self.levels.get(level + 1).is_some_and(|next| next.first == id + 1) {
+                (level, line, column) = (level + 1, 0, 0);
             }
             spot
         })
@@ -413,6 +418,11 @@ mod tests {
                 }
             }
             assert!(seen.into_iter().all(|s| s));
+            let len = lattice.len() as u32;
+            for first in 0..=len.min(9) {
+                let sites: Vec<_> = lattice.spots(first..len).map(|spot| spot.site()).collect();
+                assert_eq!(sites, (first..len).map(|id| lattice.site(id)).collect::<Vec<_>>());
+            }
         }
     }
 }
