@@ -243,12 +243,12 @@ test("a client that goes leaves its group, and the others their worker", async (
   const { client, leave, open, port } = worker({}, () => arrives);
   await client.open(good());
   const [beside, third] = [new MeshfrontClient(client), new MeshfrontClient(client)];
-  const waiting = beside.adapt(at(1), LIMITS);
+  const [waiting, other] = [beside.adapt(at(1), LIMITS), client.adapt(at(2), LIMITS)];
   beside.dispose();
   beside.dispose();
   await expect(waiting).rejects.toMatchObject({ kind: "closed" });
   await expect(beside.memory()).rejects.toMatchObject({ kind: "closed" });
-  await expect(client.adapt(at(2), LIMITS)).resolves.toHaveLength(1);
+  await expect(other).resolves.toHaveLength(1);
   expect(leave.mock.calls).toEqual([[1]]);
   expect(port.terminate).not.toHaveBeenCalled();
   // What was on its way when it left is not opened for nobody.
