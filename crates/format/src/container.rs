@@ -171,17 +171,43 @@ fn start_header<'a>(bytes: &'a [u8], file: &str) -> Result<(&'a str, usize, u64)
     Ok((name, count as usize, total))
 }
 
+/// A row of the table of sections.
+struct Row<'a> {
+    letters: &'a [u8],
+    codec: u32,
+    offset: u64,
+    length: u64,
+    checksum: u32,
+    flags: u32,
+}
+
+impl<'a> Row<'a> {
+    /// Of a table that is known to be there.
+    fn of(bytes: &'a [u8], row: usize) -> Row<'a> {
+        let row = &bytes[HEADER_LENGTH + ROW_LENGTH * row..][..ROW_LENGTH];
+        Row {
+            letters: &row[..4],
+            codec: u32_at(row, 4),
+            offset: u64_at(row, 8),
+            length: u64_at(row, 16),
+            checksum: u32_at(row, 24),
+            flags: u32_at(row, 28),
+        }
+    }
+    fn name(&self, known: &[&'static str]) -> Option<&'static str> {
+        known.iter().copied().find(|n| n.as_bytes() == self.letters)
+    }
+}
+
 /// The model's name, and those of the sections that lie within the first bytes of a file and are as they were written.
 pub(crate) fn start<'a>(bytes: &'a [u8], known: &[&'static str]) -> Option<(&'a str, Vec<Section<'a>>)> {
     let (model, count, _) = start_header(bytes, "").ok()?;
     let row = |row: usize| {
-        let at = HEADER_LENGTH + ROW_LENGTH * row;
-        let name = known.iter().find(|n| n.as_bytes() == &bytes[at..at + 4])?;
-        let offset = usize::try_from(u64_at(bytes, at + 8)).ok()?;
-        let length = usize::try_from(u64_at(bytes, at + 16)).ok()?;
+        let row = Row::of(bytes, row);
+        let (offset, length) = (usize::try_from(row.offset).ok()?, usize::try_from(row.length).ok()?);
         let body = bytes.get(offset..offset.checked_add(length)?)?;
-        let codec = Codec::of(u32_at(bytes, at + 4))?;
-        (u32_at(bytes, at + 24) == checksum(body)).then_some(Section { name, codec, offset, bytes: body })
+        let section = Section { name: row.name(known)?, codec: Codec::of(row.codec)?, offset, bytes: body };
+        (row.checksum == checksum(body)).then_some(section)
     };
     Some((model, (0..count).filter_map(row).collect()))
 }
@@ -189,12 +215,9 @@ pub(crate) fn start<'a>(bytes: &'a [u8], known: &[&'static str]) -> Option<(&'a 
 /// As much of a section as lies within the first bytes of a file, checksum or not; for one whose parts have their own.
 pub(crate) fn start_of<'a>(bytes: &'a [u8], name: &str) -> Option<&'a [u8]> {
     let (_, count, _) = start_header(bytes, "").ok()?;
-    let at =
-        (0..count).map(|row| HEADER_LENGTH + ROW_LENGTH * row).find(|&at| bytes[at..at + 4] == *name.as_bytes())?;
-    let offset = usize::try_from(u64_at(bytes, at + 8)).ok()?;
-    let length = usize::try_from(u64_at(bytes, at + 16)).ok()?;
-    let there = bytes.get(offset..)?;
-    Some(&there[..length.min(there.len())])
+    let row = (0..count).map(|row| Row::of(bytes, row)).find(|row| row.letters == name.as_bytes())?;
+    let there = bytes.get(usize::try_from(row.offset).ok()?..)?;
+    Some(&there[..usize::try_from(row.length).ok()?.min(there.len())])
 }
 
 /// The sections of a file, in order; those that may be passed over are, if not among `known`.
@@ -214,29 +237,26 @@ pub(crate) fn open<'a>(bytes: &'a [u8], file: &str, known: &[&'static str]) -> R
 
     let mut sections = Vec::with_capacity(count);
     let mut end = start;
-    for row in 0..count {
-        let at = HEADER_LENGTH + ROW_LENGTH * row;
-        let letters = &bytes[at..at + 4];
-        let (offset, length) = (u64_at(bytes, at + 8), u64_at(bytes, at + 16));
-        if offset != end as u64 || length > (bytes.len() - end) as u64 {
+    for number in 0..count {
+        let (at, row) = (HEADER_LENGTH + ROW_LENGTH * number, Row::of(bytes, number));
+        if row.offset != end as u64 || row.length > (bytes.len() - end) as u64 {
             return Err(header_fault(at, "sections do not follow one another"));
         }
-        let body = &bytes[end..end + length as usize];
         let offset = end;
-        end += length as usize;
-        let Some(&name) = known.iter().find(|n| n.as_bytes() == letters) else {
-            if u32_at(bytes, at + 28) & OPTIONAL != 0 && u32_at(bytes, at + 24) == checksum(body) {
+        end += row.length as usize;
+        let body = &bytes[offset..end];
+        let Some(name) = row.name(known) else {
+            if row.flags & OPTIONAL != 0 && row.checksum == checksum(body) {
                 continue;
             }
-            return Err(unknown(String::from_utf8_lossy(letters).into_owned(), "a section".into()));
+            return Err(unknown(String::from_utf8_lossy(row.letters).into_owned(), "a section".into()));
         };
         if sections.iter().any(|s: &Section| s.name == name) {
             return Err(header_fault(at, "section listed twice"));
         }
-        let number = u32_at(bytes, at + 4);
-        let codec = Codec::of(number).ok_or_else(|| unknown(name.into(), format!("codec {number}")))?;
+        let codec = Codec::of(row.codec).ok_or_else(|| unknown(name.into(), format!("codec {}", row.codec)))?;
         let section = Section { name, codec, offset, bytes: body };
-        if u32_at(bytes, at + 24) != checksum(body) {
+        if row.checksum != checksum(body) {
             return Err(section.fault(0, "checksum is wrong").in_file(file));
         }
         sections.push(section);
