@@ -9,7 +9,7 @@ import type { Stage } from "./stage.js";
 import { attribute, count, percent, texts, worded } from "./texts/index.js";
 
 /** The fronts wait as long for their turn in the worker, and no longer. */
-const DEADLINE_MS = 10;
+const DEADLINE_MS = 5;
 
 export interface Compare {
   /** Whether both are to be drawn. */
