@@ -3,21 +3,24 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use meshfront_format::{decode, encode, inspect};
+use meshfront_format::{base, decode, encode, inspect};
 use meshfront_hierarchies::{Hierarchy, Stored};
 
 #[path = "../../crates/format/tests/common/checksums.rs"]
 mod checksums;
 
-const SOUND: [&[u8]; 3] = [
+const SOUND: [&[u8]; 5] = [
     include_bytes!("../../testdata/front/v1-scan-16-bits.front"),
     include_bytes!("../../testdata/front/v1-knot-lossless-painted.front"),
     include_bytes!("../../testdata/front/v1-parts-vertex-pair.front"),
+    include_bytes!("../../testdata/front/v1-scan-vertex-removal.front"),
+    include_bytes!("../../testdata/front/v1-terrain-with-a-hole.front"),
 ];
 
 fuzz_target!(|data: &[u8]| {
     let _ = inspect(data, "fuzz");
     let _ = decode(data, "fuzz");
+    let _ = base(data);
     // Checksums keep a fuzzer out: from here on they agree with the damage.
     let mut file = match data.split_first() {
         // A sound file with some bytes changed: three bytes an edit, a place and a value.
@@ -34,6 +37,9 @@ fuzz_target!(|data: &[u8]| {
         None => return,
     };
     checksums::repair(&mut file);
+    // Of a file that has not arrived as a whole, and of all of it.
+    let _ = base(&file[..file.len() / 2]);
+    let _ = base(&file);
     let inspected = inspect(&file, "fuzz");
     let Ok(columns) = decode(&file, "fuzz") else { return };
     let inspected = inspected.expect("decoded");

@@ -4,10 +4,13 @@ use std::path::{Path, PathBuf};
 
 use meshfront_format::{encode, inspect, read};
 use meshfront_hierarchies::edge_collapse::Grid;
-use meshfront_hierarchies::{Stored, edge_collapse, vertex_pair};
+use meshfront_hierarchies::{Stored, edge_collapse, right_triangles, vertex_pair, vertex_removal};
 use meshfront_mesh::TriangleMesh;
 use meshfront_mesh::sample::{self, defects};
-use meshfront_simplify::{EdgeCollapseOptions, VertexPairOptions, vertex_pair_columns};
+use meshfront_simplify::{
+    EdgeCollapseOptions, RightTrianglesOptions, VertexPairOptions, VertexRemovalOptions, right_triangles_columns,
+    vertex_pair_columns, vertex_removal_columns,
+};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/front")
@@ -24,7 +27,8 @@ fn summary(stored: &Stored) -> String {
     match stored {
         Stored::EdgeCollapse(columns) => edge_collapse_summary(columns),
         Stored::VertexPair(columns) => vertex_pair_summary(columns),
-        other => panic!("no fixtures of model {:?}", other.model()),
+        Stored::VertexRemoval(columns) => vertex_removal_summary(columns),
+        Stored::RightTriangles(columns) => right_triangles_summary(columns),
     }
 }
 
@@ -79,6 +83,30 @@ fn vertex_pair_summary(c: &vertex_pair::Columns) -> String {
     lines(&[("grid", &grid[..])]) + &lines(&base_columns(&c.base)) + &lines(&columns)
 }
 
+fn vertex_removal_summary(c: &vertex_removal::Columns) -> String {
+    let grid = numbers_of(c.grid);
+    let rest = [c.floor_error.to_bits(), c.source.vertices, c.source.triangles];
+    // Told by name: how triangulations are numbered is the format's business.
+    let patches: String = c.patches.iter().map(|patch| format!("{patch:?}\n")).collect();
+    let columns: [(&str, &[u8]); 6] = [
+        ("patches", patches.as_bytes()),
+        ("positions", bytemuck::cast_slice(&c.positions)),
+        ("normals", bytemuck::cast_slice(&c.normals)),
+        ("colors", c.colors.as_flattened()),
+        ("errors", bytemuck::cast_slice(&c.errors)),
+        ("floor_error, source", bytemuck::cast_slice(&rest)),
+    ];
+    lines(&[("grid", &grid[..])]) + &lines(&base_columns(&c.base)) + &lines(&columns)
+}
+
+fn right_triangles_summary(c: &right_triangles::Columns) -> String {
+    // Missing samples are NaN, and one NaN is as good as another.
+    let heights: Vec<u8> =
+        c.heights.iter().map(|h| if h.is_nan() { f32::NAN } else { *h }).flat_map(|h| h.to_le_bytes()).collect();
+    let rest = format!("{} {} {} {:?} {} {:?}", c.columns, c.rows, c.spacing, c.steps, c.floor_error, c.place);
+    lines(&[("heights", &heights[..]), ("size, spacing, steps, floor_error, place", rest.as_bytes())])
+}
+
 #[test]
 fn every_fixture_is_read_as_it_was_written() {
     let mut seen = 0;
@@ -90,7 +118,7 @@ fn every_fixture_is_read_as_it_was_written() {
             seen += 1;
         }
     }
-    assert!(seen >= 3);
+    assert!(seen >= 5);
 }
 
 /// Makes the fixtures of the present version: `cargo test -p meshfront-format --test fixtures -- --ignored`. Once a
@@ -117,4 +145,16 @@ fn make_fixtures() {
     sample::paint(&mut mesh);
     let options = VertexPairOptions { bits: Some(14), ..VertexPairOptions::default() };
     write("v1-parts-vertex-pair", Stored::VertexPair(vertex_pair_columns(&mesh, &options, &()).unwrap()));
+
+    let options = VertexRemovalOptions::default();
+    let stored = vertex_removal_columns(&sample::scan(1200), &options, &()).unwrap();
+    write("v1-scan-vertex-removal", Stored::VertexRemoval(stored));
+    let mut field = sample::terrain_heights(37, 29);
+    for i in
+        (0..29).flat_map(|y| (0..37).map(move |x| (x, y))).filter(|(x, y)| (x - 20i32).pow(2) + (y - 9i32).pow(2) < 20)
+    {
+        field.heights[(37 * i.1 + i.0) as usize] = f32::NAN;
+    }
+    let stored = right_triangles_columns(&field, &RightTrianglesOptions::default()).unwrap();
+    write("v1-terrain-with-a-hole", Stored::RightTriangles(stored));
 }
