@@ -5,6 +5,7 @@ use crate::{BuildError, Progress};
 use meshfront_hierarchies::RightTriangles;
 use meshfront_hierarchies::right_triangles::{Columns, Place, Steps};
 use meshfront_mesh::HeightField;
+use rayon::prelude::*;
 
 /// How to build.
 #[derive(Clone, Debug)]
@@ -51,8 +52,10 @@ pub fn right_triangles_columns(field: &HeightField, options: &RightTrianglesOpti
         return Err(BuildError::Exaggeration(exaggeration));
     }
     let scale = field.vertical.metres() * exaggeration as f64;
-    let there = field.heights.iter().filter(|h| !h.is_nan());
-    let (low, high) = there.fold((f32::MAX, f32::MIN), |(low, high), &h| (low.min(h), high.max(h)));
+    // `min` and `max` pass over what is missing.
+    let (low, high) = (field.heights.par_iter())
+        .fold(|| (f32::MAX, f32::MIN), |(low, high), &h| (h.min(low), h.max(high)))
+        .reduce(|| (f32::MAX, f32::MIN), |a, b| (a.0.min(b.0), a.1.max(b.1)));
     let range = (high as f64 - low as f64).max(0.0);
     let (steps, exact) = match (options.bits, field.step) {
         (None, _) => (None, true),
@@ -68,10 +71,10 @@ pub fn right_triangles_columns(field: &HeightField, options: &RightTrianglesOpti
         let height = (h as f64 * scale) as f32;
         steps.map_or(height, |s| if h.is_nan() { h } else { s.height(s.nearest(height)) })
     };
-    let mut heights = Vec::with_capacity(field.heights.len());
-    for row in field.heights.chunks_exact(field.columns.max(1) as usize).rev() {
-        heights.extend(row.iter().map(|&h| mesh_height(h)));
-    }
+    let columns = field.columns.max(1) as usize;
+    let mut heights = vec![0f32; field.heights.len()];
+    let rows = heights.par_chunks_exact_mut(columns).zip(field.heights.par_chunks_exact(columns).rev());
+    rows.for_each(|(ours, theirs)| ours.iter_mut().zip(theirs).for_each(|(ours, &h)| *ours = mesh_height(h)));
     let south = field.spacing.y * (field.rows as f64 - 1.0);
     Ok(Columns {
         columns: field.columns,

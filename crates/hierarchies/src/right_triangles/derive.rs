@@ -5,7 +5,7 @@ use super::lattice::{APEXES, Lattice, NOWHERE, Site, Spot};
 use super::record::{self, Record};
 use super::{Columns, Corner, InvalidHeights, RightTriangles};
 use crate::model::Progress;
-use crate::parallel::for_chunks;
+use crate::parallel::{filled, for_chunks};
 use glam::{DVec2, Vec2, Vec3};
 use meshfront_mesh::Bounds;
 use std::f32::consts::PI;
@@ -188,7 +188,7 @@ pub(super) fn derive(columns: Columns, progress: Progress) -> Result<RightTriang
         }
     };
 
-    let mut records = vec![Record::default(); lattice.len()];
+    let mut records = filled(Record::default(), lattice.len());
     let levels = lattice.levels().count();
     for (done, level) in lattice.levels().rev().enumerate() {
         progress(done as f32 / levels as f32);

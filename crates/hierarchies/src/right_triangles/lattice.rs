@@ -31,7 +31,7 @@ pub struct Site {
 }
 
 /// In place of an id: a corner of the square, or outside of the field.
-pub const NOWHERE: u32 = u32::MAX;
+pub(super) const NOWHERE: u32 = u32::MAX;
 
 /// A step between samples.
 type Way = [i32; 2];
@@ -287,7 +287,7 @@ impl Lattice {
 
     /// Ids at [`Site::apexes`].
     #[inline]
-    pub fn apexes(&self, at: &Spot) -> [u32; 2] {
+    pub(super) fn apexes(&self, at: &Spot) -> [u32; 2] {
         let Some(level) = at.level.checked_sub(1).map(|level| &self.levels[level]) else { return [NOWHERE; 2] };
         let Spot { x, y, inner, .. } = *at;
         let [a, b] = if at.diagonal {
@@ -312,7 +312,7 @@ impl Lattice {
     }
     /// Ids at the halves of [`Site::middles_doubled`]; none for the finest.
     #[inline]
-    pub fn middles(&self, at: &Spot) -> [u32; 4] {
+    pub(super) fn middles(&self, at: &Spot) -> [u32; 4] {
         let Some(level) = self.levels.get(at.level + 1) else { return [NOWHERE; 4] };
         let Spot { x, y, inner, .. } = *at;
         match (at.diagonal, inner) {
@@ -331,7 +331,7 @@ impl Lattice {
     }
     /// Ids at [`Site::middles_doubled`]: what an update at the middle needs besides.
     #[inline]
-    pub fn beyond_middles(&self, at: &Spot) -> [u32; 4] {
+    pub(super) fn beyond_middles(&self, at: &Spot) -> [u32; 4] {
         let level = &self.levels[at.level];
         let Spot { x, y, id, inner, .. } = *at;
         match (at.diagonal, inner) {
