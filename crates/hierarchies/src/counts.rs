@@ -8,15 +8,9 @@ use meshfront_refine::UpdateId;
 pub(crate) struct Needed(Vec<u8>);
 
 impl Needed {
-    /// # Errors
-    /// The first update whose lists are longer than what is counted.
-    pub fn of(needs: &UpdateLists, children: &UpdateLists) -> Result<Needed, UpdateId> {
-        let updates = needs.offsets.len() - 1;
-        let too_many = |m: &usize| children.of(*m).len() > u16::MAX as usize || needs.of(*m).len() > u8::MAX as usize;
-        match (0..updates).find(too_many) {
-            Some(m) => Err(UpdateId(m as u32)),
-            None => Ok(Needed((0..updates).map(|m| needs.of(m).len() as u8).collect())),
-        }
+    /// Of lists of what updates with limited stars need: some dozens at most.
+    pub fn of(needs: &UpdateLists) -> Needed {
+        Needed(needs.lengths().map(|length| u8::try_from(length).expect("stars are limited")).collect())
     }
     /// Bytes.
     pub fn memory_bytes(&self) -> usize {
@@ -24,13 +18,14 @@ impl Needed {
     }
 }
 
-/// A front's counts: three bytes per update.
+/// A front's counts: five bytes per update. Of a vertex with very many neighbours the one update that made it may be needed by
+/// more than sixteen bits can count.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Counts {
     /// Per update: how many of its needs are not applied.
     missing: Vec<u8>,
     /// Per update: how many of those that need it are applied.
-    holding: Vec<u16>,
+    holding: Vec<u32>,
 }
 
 impl Counts {
@@ -69,6 +64,6 @@ impl Counts {
     }
     /// Bytes.
     pub fn memory_bytes(&self) -> usize {
-        3 * self.missing.len()
+        5 * self.missing.len()
     }
 }

@@ -21,6 +21,11 @@ impl UpdateLists {
         &self.items[self.offsets[m] as usize..self.offsets[m + 1] as usize]
     }
 
+    /// How long each list is.
+    pub fn lengths(&self) -> impl Iterator<Item = usize> {
+        self.offsets.windows(2).map(|ends| (ends[1] - ends[0]) as usize)
+    }
+
     /// Appends the needs of the next update, given ascending, without those that another of them needs anyway; all, where
     /// they are more than 128.
     pub fn push_reduced(&mut self, direct: &[UpdateId]) {

@@ -67,9 +67,7 @@ pub(super) fn derive(columns: Columns, progress: Progress) -> Result<EdgeCollaps
     h.most = Most { vertices: front.buffers.live_vertices(), triangles: front.buffers.live_triangles() };
     let children = needs.reversed();
     h.roots = (0..updates as u32).map(UpdateId).filter(|m| needs.of(m.ix()).is_empty()).collect();
-    let too_many =
-        |m: UpdateId| InvalidColumns::Update { update: m.0, reason: "too many updates need it or are needed by it" };
-    h.needed = Needed::of(&needs, &children).map_err(too_many)?;
+    h.needed = Needed::of(&needs);
     h.neighbours.reserve_exact(needs.items.len() + children.items.len());
     for m in 0..updates {
         let needs = needs.of(m);
