@@ -278,6 +278,33 @@ test("the original has limits of its own, and may be limited", async ({ page }) 
   expect(await page.evaluate(() => window.meshfront.settings.originalTriangles)).toBe(4000);
 });
 
+test("the original is complete though nobody stands still", async ({ page }) => {
+  await open(page, "?panel=0", server);
+  const { sourceTriangles, min, max } = (await page.evaluate(() => window.meshfront.info()))!;
+  await page.evaluate(({ min, max }) => {
+    const center = min.map((low, i) => (low + max[i]!) / 2) as [number, number, number];
+    const far = 2 * Math.hypot(...max.map((high, i) => high - center[i]!));
+    let angle = 0;
+    const turn = () => {
+      angle += 0.02;
+      window.meshfront.setCamera([center[0] + far * Math.sin(angle), center[1], center[2] + far * Math.cos(angle)], center);
+      requestAnimationFrame(turn);
+    };
+    turn();
+  }, { min, max });
+  await set(page, "divider", 0.5);
+  await complete(page);
+  const handle = page.locator("#divider");
+  await expect(handle).toContainText(`Original, ${sourceTriangles.toLocaleString("en")} triangles`);
+  for (const [most, words] of [[5000, /limited to (5,000|4,9\d\d) of /], [3000, /limited to (3,000|2,9\d\d) of /]] as const) {
+    await set(page, "originalTriangles", most);
+    await expect(handle).toContainText(words);
+    await complete(page);
+  }
+  await set(page, "originalTriangles", 8e6);
+  await expect(handle).toContainText(`Original, ${sourceTriangles.toLocaleString("en")} triangles`);
+});
+
 test("what the original takes is given back", async ({ page }) => {
   const { frontBytes } = await open(page, "?panel=0&tolerance=0&frustum=0&orientation=0", server);
   const sizes: { engineBytes: number; geometries: number }[] = [];

@@ -7,13 +7,12 @@ mod base;
 mod fly_by;
 mod memory;
 mod ranges;
+mod room;
 mod shade;
-
-use std::hint::black_box;
 
 use glam::Vec3;
 use meshfront_format::ReadError;
-use meshfront_hierarchies::live::TriangleBuffers;
+use meshfront_hierarchies::live::{Changes, TriangleBuffers};
 use meshfront_hierarchies::{AnySurface, Hierarchy, Progress};
 use meshfront_refine::criteria::{Max, Region, Scale, Shape, Uniform, View};
 use meshfront_refine::{Camera, Criterion, Member, Outcome, Request, ViewOptions, adapt_together, view};
@@ -22,7 +21,8 @@ use wasm_bindgen::prelude::*;
 pub use base::{BaseMesh, base_of};
 use fly_by::FlyBy;
 use memory::{Cap, Capacity};
-use ranges::{coalesce, gather};
+use ranges::{coalesce, gather, slots};
+use room::{Growing, has_room_for_another, has_room_for_copies};
 pub use shade::{Inspection, Shade};
 
 /// Unchanged slots that are uploaded along, as multiples of the changed ones, rather than starting another range: an upload call
@@ -30,9 +30,6 @@ pub use shade::{Inspection, Shade};
 const SPARE: usize = 2;
 /// The most ranges of one update, per kind of slot.
 const MOST_RANGES: usize = 1024;
-
-/// What any call may need of memory, bytes.
-const ROOM: usize = 2 << 20;
 
 /// Which part of opening a file is unpacking it.
 const UNPACKING: f32 = 0.2;
@@ -47,8 +44,9 @@ extern "C" {
     fn now() -> f64;
 }
 
+/// Where memory ends, so does every deadline.
 fn clock_us() -> u64 {
-    (now() * 1000.0) as u64
+    if room::is_short() { u64::MAX / 2 } else { (now() * 1000.0) as u64 }
 }
 
 /// Opened files with one front each, that share a budget and a deadline. Sessions know nothing of each other but the hierarchies that
@@ -122,9 +120,14 @@ impl Session {
     /// Another front of an open model, at the base mesh, for `join` of this session or of another. They share the hierarchy.
     ///
     /// # Errors
-    /// A `RangeError` where no such model is open.
+    /// A `RangeError` where no such model is open, or there is no memory for it.
     pub fn another(&self, model: usize) -> Result<LooseFront, js_sys::RangeError> {
-        Ok(LooseFront(self.get(model)?.front.another()))
+        let front = &*self.get(model)?.front;
+        // An engine that stopped in here would keep hold of the session for ever.
+        if !has_room_for_another(front) {
+            return Err(js_sys::RangeError::new("no memory for another front"));
+        }
+        Ok(LooseFront(front.another()))
     }
 
     /// Takes a front in; gives its number.
@@ -211,7 +214,8 @@ impl Session {
     /// first. Limits are for all models together, those included that stay as they are: `max_triangles` (`u32::MAX` for
     /// no limit), and `max_bytes` (infinite for none) for what fronts and the page's buffers take. Then ask for the `frame` of each.
     ///
-    /// Where the browser gives no more memory, fronts have as many triangles as they have: that counts as a budget of bytes.
+    /// Where the browser gives no more memory, the call ends before its deadline, and fronts have as many triangles as they have: that
+    /// counts as a budget of bytes.
     /// Where memory has to be given back, fronts start again from their base meshes, and the deadline is not kept.
     pub fn adapt(&mut self, max_triangles: u32, max_bytes: f64, deadline_us: u32) {
         let start = now();
@@ -220,7 +224,7 @@ impl Session {
         } else if self.cap.is_none_or(|cap| cap.bytes() != max_bytes) {
             self.cap = Some(Cap::new(max_bytes.max(0.0)));
         }
-        self.run(max_triangles, Some(deadline_us));
+        self.run(max_triangles, deadline_us);
         while let Some(mut cap) = self.cap {
             let (triangles, bytes) = self.held();
             if bytes <= cap.bytes() {
@@ -237,7 +241,7 @@ impl Session {
                 break;
             }
             self.looked().for_each(Model::start_again);
-            self.run(max_triangles, None);
+            self.run(max_triangles, u32::MAX);
         }
         for model in self.looked() {
             model.seen = std::mem::take(&mut model.looks);
@@ -300,10 +304,14 @@ impl Session {
         let (vertex_ranges, triangle_ranges) = if fresh {
             (vec![0, buffers.positions.len() as u32], vec![0, buffers.triangles.len() as u32])
         } else {
-            (
-                coalesce(&mut buffers.changes.vertices, SPARE, MOST_RANGES),
-                coalesce(&mut buffers.changes.triangles, SPARE, MOST_RANGES),
-            )
+            let Changes { vertices, triangles } = &mut buffers.changes;
+            let ranges = (coalesce(vertices, SPARE, MOST_RANGES), coalesce(triangles, SPARE, MOST_RANGES));
+            if has_room_for_copies(slots(&ranges.0), slots(&ranges.1)) {
+                ranges
+            } else {
+                // Nothing but what changed, in however many calls.
+                (coalesce(vertices, 0, usize::MAX), coalesce(triangles, 0, usize::MAX))
+            }
         };
         buffers.clear_changes();
         let shade_is_new = std::mem::take(&mut model.shade_is_new);
@@ -361,8 +369,10 @@ impl Session {
     }
 
     /// Adapts all models that are looked at, and keeps the looks.
-    fn run(&mut self, max_triangles: u32, deadline_us: Option<u32>) {
-        let full = (!self.has_room()).then(|| self.held().0);
+    fn run(&mut self, max_triangles: u32, deadline_us: u32) {
+        let fronts = self.models.iter().flatten().filter(|model| !model.looks.is_empty());
+        let growing = Growing::of(fronts.map(|model| (&*model.front, model.memory_bytes())));
+        let full = (!growing.has_room()).then(|| self.held().0);
         let by_bytes = self.cap.map(|cap| cap.triangles()).into_iter().chain(full).min();
         let by_bytes = by_bytes.filter(|&triangles| triangles < max_triangles as usize);
         let max_cells = by_bytes.or((max_triangles != u32::MAX).then_some(max_triangles as usize));
@@ -374,7 +384,8 @@ impl Session {
         let request = Request {
             tolerance,
             max_cells: max_cells.map(|most| most.saturating_sub(lasting)),
-            deadline_us,
+            // Without one nobody would read the clock.
+            deadline_us: Some(deadline_us),
             clock: clock_us,
         };
         let criteria: Vec<Option<Box<dyn Criterion>>> = self
@@ -399,24 +410,14 @@ impl Session {
             outcomes.push((outcome, byte_bound, tolerance / own));
         }
         let mut together: Vec<&mut dyn Member> = members.iter_mut().map(|member| &mut **member as _).collect();
+        room::watch(Some(if full.is_some() { growing.kept() } else { growing }));
         adapt_together(&mut together, &request);
+        room::watch(None);
         for (member, (outcome, byte_bound, factor)) in together.iter().zip(outcomes) {
             *outcome = member.outcome();
             outcome.error_px /= factor;
             *byte_bound = outcome.budget_bound && by_bytes.is_some();
         }
-    }
-
-    /// Whether there is memory for what a call may need: fronts' columns that double, and copies of what changed. An allocation
-    /// that fails half way takes the engine down; fronts that grow no more are only less fine.
-    fn has_room(&self) -> bool {
-        let fronts = self.models.iter().flatten().filter(|model| !model.looks.is_empty());
-        let most = ROOM + 2 * fronts.map(Model::memory_bytes).sum::<usize>();
-        let mut room = Vec::<u8>::new();
-        let has = room.try_reserve_exact(most).is_ok();
-        // Or the compiler would see that nobody uses it, and not ask.
-        black_box(room);
-        has
     }
 
     /// Triangles of all fronts, and the bytes of what a cap is for.
@@ -442,9 +443,13 @@ impl Model {
     fn memory_bytes(&self) -> usize {
         self.front.memory_bytes() + self.written.capacity() * size_of::<u32>()
     }
-    /// At the base mesh, with no more memory than that needs.
+    /// At the base mesh, with no more memory than that needs, if there is as much beside the present one.
     fn start_again(&mut self) {
-        self.front = self.front.another();
+        if has_room_for_another(&*self.front) {
+            self.front = self.front.another();
+        } else {
+            self.front.reset();
+        }
         (self.fresh, self.capacity, self.written) = (true, Capacity::default(), vec![]);
     }
 }

@@ -34,10 +34,14 @@ pub fn coalesce(slots: &mut Vec<u32>, spare: usize, most: usize) -> Vec<u32> {
     ranges
 }
 
+/// How many slots ranges hold.
+pub fn slots(ranges: &[u32]) -> usize {
+    ranges.chunks_exact(2).map(|range| range[1] as usize).sum()
+}
+
 /// The contents of the ranged slots, one range after the other, flattened to numbers.
 pub fn gather<T: Copy, const N: usize>(column: &[[T; N]], ranges: &[u32]) -> Vec<T> {
-    let slots: usize = ranges.chunks_exact(2).map(|r| r[1] as usize).sum();
-    let mut packed = Vec::with_capacity(slots * N);
+    let mut packed = Vec::with_capacity(slots(ranges) * N);
     for range in ranges.chunks_exact(2) {
         let (first, count) = (range[0] as usize, range[1] as usize);
         packed.extend_from_slice(column[first..first + count].as_flattened());

@@ -14,7 +14,7 @@ export interface OpenOptions {
   name?: string;
   /** Told while the file arrives and is checked. */
   onProgress?: (progress: OpenProgress) => void;
-  /** Given the base mesh as soon as that is there, once, before the model is open. */
+  /** Given the base mesh, of a terrain its coarsest heights, as soon as that is there, once, before the model is open. */
   onBase?: (base: BaseMesh) => void;
   /** Gives up: `open` rejects with kind `closed`. */
   signal?: AbortSignal;
@@ -131,8 +131,8 @@ export class MeshfrontClient {
   }
 
   /**
-   * Memory of the engine as a whole, bytes: hierarchies, fronts of all clients, and what was freed, which is used again, but which
-   * WebAssembly keeps as long as the worker lives.
+   * Memory of the engine as a whole, bytes: hierarchies, fronts of all clients, and what was freed, or asked for and not used: that
+   * is used again, but WebAssembly keeps it as long as the worker lives.
    */
   async memory(): Promise<number> {
     return expected(await this.ask({ type: "memory" }), "memory").bytes;

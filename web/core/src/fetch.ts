@@ -3,7 +3,7 @@ import { MeshfrontError } from "./errors.js";
 /** Bytes so far, and of the whole where the server says so. `start` puts the first of them together, until there are many. */
 export type Arrival = (loaded: number, total: number | undefined, start: () => Uint8Array | undefined) => void;
 
-/** Base meshes lie within so many bytes of most files. */
+/** Base meshes, and the coarsest heights of terrains, lie within so many bytes of most files. */
 const START = 1 << 20;
 
 /**

@@ -7,7 +7,7 @@ import type { BaseMesh, FlyByReport, FrameUpdate, Inspection, Limits, ModelInfo 
 
 /** Opened models with one front each, in groups with limits of their own. Throws what `MeshfrontError.from` understands. */
 export interface Engine {
-  /** The base mesh, once the first bytes of a file reach that far. */
+  /** The base mesh, of a terrain its coarsest heights, once the first bytes of a file reach that far. */
   baseOf(start: Uint8Array): BaseMesh | undefined;
   /** Reads a `.front` file, `name` being what messages call it. `onProgress` is told which part of it is done. */
   open(group: number, bytes: Uint8Array, name: string, onProgress: (part: number) => void): { model: number; info: ModelInfo };
@@ -57,9 +57,9 @@ export function serve(port: Port<Reply, Request>, start: () => Promise<Engine>, 
     [loaded, total] = [bytes.length, bytes.length];
     const told = (part: number) => tell({ type: "progress", progress: { loaded, total, fraction: part } });
     told(FETCHING);
-    // The end is told when it is there.
     // Nobody is there any more to close it.
     if (left.has(group)) throw new MeshfrontError("closed", "the model was closed");
+    // The end is told when it is there.
     const model = ready.open(group, bytes, name, (part) => told(FETCHING + (1 - FETCHING) * Math.min(part, 0.999)));
     told(1);
     return model;

@@ -3,7 +3,7 @@ import type {
   BaseMesh, FlyByReport, FrameUpdate, Inspection, Limits, ModelInfo, OpenProgress, Shade, View,
 } from "./view.js";
 
-/** A model of the session, by its number, where it is looked at from, and what it is to be coloured by. */
+/** A model of the group, by its number, where it is looked at from, and what it is to be coloured by. */
 export interface ModelView {
   model: number;
   /** Of as many cameras as look at it: everywhere the finest counts. */

@@ -60,13 +60,16 @@ export type Shade =
   /** Updates of the model (`FrameUpdate.frame`) since the slot was last written. */
   | "age";
 
-/** A base mesh, before its model is open. Columns as in `VertexChanges` and `TriangleChanges`, without gaps. */
+/**
+ * A base mesh, before its model is open; of a terrain, whose base mesh is two triangles, the grid of its coarsest heights stands for it. Columns
+ * as in `VertexChanges` and `TriangleChanges`, without gaps.
+ */
 export interface BaseMesh {
   positions: Float32Array;
   normals: Int16Array;
   colors: Uint8Array;
   triangles: Uint32Array;
-  /** Axis-parallel box of the base mesh, mesh units. */
+  /** Axis-parallel box of these positions, mesh units: not of what lies between the coarsest heights. */
   min: Vec3;
   max: Vec3;
   /** Which way is up: a unit vector along an axis. */

@@ -63,12 +63,18 @@ export class MeshfrontBudget {
   private inFlight = false;
   private again = false;
   private broken = false;
+  /** Memory was given back since it was last asked. */
+  private freed = false;
+  /** All budgets of the worker. */
+  private readonly beside: Set<MeshfrontBudget>;
 
   constructor(options: BudgetOptions = {}) {
     this.most = { triangles: options.maxTriangles ?? Infinity, bytes: options.maxBytes ?? Infinity };
     this.deadlineMs = options.deadlineMs ?? 6;
     const { worker } = options;
     this.client = new MeshfrontClient(worker instanceof MeshfrontBudget ? worker.client : worker);
+    this.beside = worker instanceof MeshfrontBudget ? worker.beside : new Set();
+    this.beside.add(this);
   }
 
   /** The most triangles that all fronts together may hold. A change is asked for at once. */
@@ -94,6 +100,11 @@ export class MeshfrontBudget {
     return !this.inFlight && this.isSettled(this.jobs());
   }
 
+  /** Whether every front was all that its cameras asked for in the last answer, and that was to the present limits. */
+  get answered(): boolean {
+    return this.isAnswered(this.jobs());
+  }
+
   /**
    * Asks for the fronts of the objects' present views, where there is something to ask for. While an answer is on its way, it asks
    * when that is there.
@@ -115,6 +126,8 @@ export class MeshfrontBudget {
   dispose(): void {
     this.broken = true;
     this.client.dispose();
+    this.beside.delete(this);
+    this.tellFreed();
   }
 
   /** @internal */
@@ -127,6 +140,16 @@ export class MeshfrontBudget {
     if (member.model !== undefined) this.client.close(member.model);
     // There may be room for the others now.
     this.asked = undefined;
+    this.tellFreed();
+  }
+
+  /** Who has not enough memory in the same worker asks again. */
+  private tellFreed(): void {
+    for (const budget of this.beside) {
+      if (budget === this) continue;
+      budget.freed ||= budget.inFlight || [...budget.members].some(({ last }) => last?.stats.byteBound);
+      if (budget.freed) budget.update();
+    }
   }
 
   private jobs(): Job[] {
@@ -137,15 +160,20 @@ export class MeshfrontBudget {
   }
 
   private isSettled(jobs: Job[]): boolean {
+    return this.isAnswered(jobs) && jobs.every(({ member, wanted }) => sameWanted(member.last!.wanted, wanted));
+  }
+
+  private isAnswered(jobs: Job[]): boolean {
     const { asked } = this;
+    if (this.freed) return false;
     if (asked?.maxTriangles !== this.maxTriangles || asked.maxBytes !== this.maxBytes) return false;
     if (asked.members.length !== jobs.length) return false;
-    return jobs.every(({ member, wanted }, i) =>
-      asked.members[i] === member && member.last?.stats.settled && sameWanted(member.last.wanted, wanted));
+    return jobs.every(({ member }, i) => asked.members[i] === member && member.last?.stats.settled);
   }
 
   private async adapt(jobs: Job[]): Promise<void> {
     this.inFlight = true;
+    this.freed = false;
     const { maxTriangles, maxBytes, deadlineMs } = this;
     let frames: FrameUpdate[] | undefined;
     try {

@@ -41,6 +41,8 @@ export function makeCompare(settings: Settings, stage: Stage, changed: () => voi
   let budget: MeshfrontBudget | undefined;
   let complete = false;
   let failed: string | undefined;
+  /** Where one looked from when they met a limit: there they are chosen for, or they would be chosen anew with each move. */
+  let still: PerspectiveCamera | undefined;
 
   settings.follow("divider", (at) => {
     handle.hidden = at === undefined;
@@ -56,6 +58,8 @@ export function makeCompare(settings: Settings, stage: Stage, changed: () => voi
     budget.maxTriangles = most;
     for (const original of originals) original.frozen = false;
     complete = false;
+    for (const original of originals) if (still) original.deleteCamera(still);
+    still = undefined;
     tell();
     changed();
   });
@@ -116,6 +120,7 @@ export function makeCompare(settings: Settings, stage: Stage, changed: () => voi
     budget = undefined;
     complete = false;
     failed = undefined;
+    still = undefined;
   }
 
   function tell(): void {
@@ -139,14 +144,18 @@ export function makeCompare(settings: Settings, stage: Stage, changed: () => voi
     },
     update(camera, renderer) {
       if (!budget) return;
+      if (!complete && !still && originals.some(({ stats }) => stats?.budgetBound)) {
+        for (const original of originals) original.deleteCamera(camera);
+        still = camera.clone();
+      }
       originals.forEach((original, i) => {
         follow(original, shown[i]!);
-        if (original.info && !complete) original.setResolutionFromRenderer(camera, renderer);
+        if (original.info && !complete) original.setResolutionFromRenderer(still ?? camera, renderer);
       });
       budget.update();
       if (complete) return;
-      if (!budget.settled || !originals.every(({ stats }) => stats?.settled)) return;
-      // All there is, from wherever one looks: the engine need not be asked again.
+      if (!budget.answered || !originals.every(({ stats }) => stats?.settled)) return;
+      // All there is, from wherever one looks, and also where one looks from elsewhere by now: the engine need not be asked again.
       for (const original of originals) original.frozen = true;
       complete = true;
       tell();
