@@ -313,7 +313,7 @@ test("what the original takes is given back", async ({ page }) => {
     geometries: window.meshfront.renderer.info.memory.geometries,
   })));
   await measure();
-  for (let i = 0; i < 8; i++) {
+  for (let i = 0; i < 12; i++) {
     await set(page, "divider", 0.5);
     await complete(page);
     await drawn(page);
@@ -322,9 +322,11 @@ test("what the original takes is given back", async ({ page }) => {
     await drawn(page);
     await measure();
   }
-  // WebAssembly keeps what it had once; but the next one takes the same place.
+  // WebAssembly keeps what it had once, and how much that is depends on when frames come; but the next one takes the same place. What
+  // stayed would ask for more every time.
   const [before, first, last] = [sizes[0]!, sizes[1]!, sizes.at(-1)!];
-  expect(last.engineBytes - first.engineBytes).toBeLessThan(2 * frontBytes);
+  const steps = sizes.slice(1).map(({ engineBytes }, i) => engineBytes - sizes[i]!.engineBytes);
+  expect(steps.slice(-6).filter((step) => step < frontBytes / 2).length).toBeGreaterThanOrEqual(4);
   expect([first.geometries, last.geometries]).toEqual([before.geometries, before.geometries]);
 });
 
